@@ -108,6 +108,7 @@ TrafficGraph::TrafficGraph(std::span<const LaneGraph> graphs, std::span<const do
   }
   first_vertex_.push_back(static_cast<std::uint32_t>(vertices_.size()));
   exits_.resize(vertices_.size());
+  entries_.resize(vertices_.size());
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     first_lane_.push_back(static_cast<std::uint32_t>(lanes_.size()));
     for (const Lane& lane : graphs[i].lanes) {
@@ -128,7 +129,10 @@ void TrafficGraph::AddWay(std::uint32_t start, std::uint32_t end, double seconds
   lanes_.push_back({.start = start, .end = end});
   if (start == end) return;
   exits_[start].push_back({end, lane, seconds});
-  if (is_bidirectional) exits_[end].push_back({start, lane, seconds});
+  entries_[end].push_back({start, lane, seconds});
+  if (!is_bidirectional) return;
+  exits_[end].push_back({start, lane, seconds});
+  entries_[start].push_back({end, lane, seconds});
 }
 
 void TrafficGraph::AddRides(std::span<const LaneGraph> graphs) {

@@ -48,6 +48,8 @@ class TrafficGraph {
   }
 
   std::span<const TrafficExit> exits(std::uint32_t vertex) const { return exits_[vertex]; }
+  // The ways into a vertex: `to` is the vertex from which each comes.
+  std::span<const TrafficExit> entries(std::uint32_t vertex) const { return entries_[vertex]; }
   // The ends of a lane.
   std::uint32_t start(std::uint32_t lane) const { return lanes_[lane].start; }
   std::uint32_t end(std::uint32_t lane) const { return lanes_[lane].end; }
@@ -85,9 +87,10 @@ class TrafficGraph {
 
   std::vector<Vertex> vertices_;
   std::vector<Way> lanes_;
-  std::vector<std::vector<TrafficExit>> exits_;
-  std::vector<std::uint32_t> first_vertex_;  // by graph, and the end
-  std::vector<std::uint32_t> first_lane_;    // likewise
+  std::vector<std::vector<TrafficExit>> exits_;    // by vertex
+  std::vector<std::vector<TrafficExit>> entries_;  // likewise
+  std::vector<std::uint32_t> first_vertex_;        // by graph, and the end
+  std::vector<std::uint32_t> first_lane_;          // likewise
   std::size_t group_count_ = 0;
 };
 

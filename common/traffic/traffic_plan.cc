@@ -4,12 +4,14 @@
 #include <utility>
 
 #include "common/traffic/formation.h"
+#include "common/traffic/priority_moves.h"
 #include "common/traffic/traffic_search.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::uint32_t kNone = Formation::kNone;
+constexpr double kPushSeconds = 10.0;    // of the route past a robot that has to make room
 constexpr std::size_t kMaxPending = 64;  // moves of a robot that others push
 
 // Lanes and groups that earlier moves of the plan need: of one robot, or of several.
@@ -42,8 +44,13 @@ class Claims {
 
 class Planner {
  public:
-  Planner(const TrafficGraph& graph, const std::vector<bool>& obstructed, Tick tick, TrafficPlan& plan)
-      : graph_(graph), obstructed_(obstructed), tick_(tick), plan_(plan), closed_(obstructed) {}
+  Planner(TrafficRoutes& routes, const std::vector<bool>& obstructed, Tick tick, TrafficPlan& plan)
+      : routes_(routes),
+        graph_(routes.graph()),
+        obstructed_(obstructed),
+        tick_(tick),
+        plan_(plan),
+        closed_(graph_.lanes(), false) {}
 
   void Update(std::span<const TrafficRequest> requests) {
     RemoveAbsent(requests);
@@ -60,6 +67,8 @@ class Planner {
     for (const TrafficMove& move : plan_.moves) drops_ = drops_ || (!move.granted && obstructed_[move.lane]);
     if (drops_) std::erase_if(plan_.moves, [](const TrafficMove& move) { return !move.granted; });
     for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = true;
+    routes_.Begin(closed_);
+    for (std::size_t lane = 0; lane < closed_.size(); ++lane) closed_[lane] = closed_[lane] || obstructed_[lane];
     ExtendPlan();
     Grant();
   }
@@ -162,38 +171,57 @@ class Planner {
 
   void ExtendPlan() {
     Formation formation = AtEnd();
-    const auto has_way = [&](std::uint32_t row) {
-      const TrafficRobot& robot = plan_.robots[row];
-      return robot.goal && !robot.holds && formation.place(row) != *robot.goal;
-    };
     std::vector<std::uint32_t> order;
     for (std::uint32_t row = 0; row < plan_.robots.size(); ++row) {
-      if (has_way(row)) order.push_back(row);
+      const TrafficRobot& robot = plan_.robots[row];
+      if (robot.goal && !robot.holds && formation.place(row) != *robot.goal) order.push_back(row);
     }
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return plan_.robots[a].since < plan_.robots[b].since; });
-    // By row; those without a way come after all others.
-    std::vector<std::size_t> ranks(plan_.robots.size(), order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) ranks[order[i]] = i;
-    std::vector<bool> stuck(plan_.robots.size(), false);  // without a way: all others may move it
-    bool is_first = true;
+    // Those that have no way to go come after all others.
+    std::vector<PriorityMoves::Robot> robots(plan_.robots.size(), {.rank = order.size()});
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      robots[order[i]].rank = i;
+      robots[order[i]].seconds_to_goal = &routes_.To(*plan_.robots[order[i]].goal);
+    }
+    for (std::uint32_t row = 0; row < robots.size(); ++row) {
+      robots[row].can_move = pending_[row] == 0 && !IsFixed(formation, row);
+    }
+    PriorityMoves moves(graph_, closed_, formation, robots);
     std::size_t searches = 0;
-    // The others take turns, so that each searches once in a while.
-    const std::size_t shift = order.size() > 1 ? (tick_ * (kMaxSearches - 1)) % (order.size() - 1) : 0;
-    for (std::size_t i = 0; i < order.size() && searches < kMaxSearches; ++i) {
-      const std::uint32_t row = order[i == 0 ? 0 : 1 + (i - 1 + shift) % (order.size() - 1)];
-      if (!has_way(row)) continue;
-      if (pending_[row] >= kMinMoves) {
-        is_first = false;  // of the oldest goal
-        continue;
+    // Searches take turns, so that each robot has one once in a while.
+    const std::size_t first_search = order.empty() ? 0 : tick_ * kMaxSearches % order.size();
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const std::uint32_t row = order[i];
+      if (pending_[row] >= kMinMoves) continue;
+      const std::size_t begun = formation.moves().size();
+      const std::uint32_t goal = *plan_.robots[row].goal;
+      if (!moves.Advance(row, goal, kMovesAhead)) {
+        const bool has_turn = (i + order.size() - first_search) % order.size() < kMaxSearches;
+        if (i == 0 || (has_turn && searches++ < kMaxSearches)) FindWay(formation, row, i == 0, robots);
       }
-      ++searches;
-      std::vector<bool> is_fixed(plan_.robots.size());
-      for (std::uint32_t other = 0; other < is_fixed.size(); ++other) {
-        is_fixed[other] = IsFixed(formation, other) || (ranks[other] < ranks[row] && !is_first && !stuck[other]);
+      for (std::size_t k = begun; k < formation.moves().size(); ++k) {
+        const RowMove& move = formation.moves()[k];
+        plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false});
+        ++pending_[move.row];
+        robots[move.row].can_move = false;
       }
-      stuck[row] = !Extend(formation, row, is_fixed, is_first);
-      is_first = is_first && stuck[row];
+    }
+  }
+
+  // Around robots that stay, and for the robot with the oldest goal past all others.
+  void FindWay(Formation& formation, std::uint32_t row, bool is_first,
+               const std::vector<PriorityMoves::Robot>& robots) {
+    std::vector<bool> is_fixed(robots.size());
+    for (std::uint32_t other = 0; other < is_fixed.size(); ++other) {
+      is_fixed[other] =
+          is_first ? IsFixed(formation, other) : !robots[other].can_move || robots[other].rank < robots[row].rank;
+    }
+    const TrafficSearch search(graph_, closed_, routes_, is_fixed);
+    const std::uint32_t goal = *plan_.robots[row].goal;
+    const bool found = search.Find(formation, row, goal, kMovesAhead, is_first ? 0.0 : kPushSeconds);
+    if (!found && is_first && (plan_.moves.empty() || tick_ % kAnyWayTicks == 0)) {
+      search.FindAnyWay(formation, row, goal);
     }
   }
 
@@ -201,39 +229,6 @@ class Planner {
   bool IsFixed(const Formation& formation, std::uint32_t row) const {
     const TrafficRobot& robot = plan_.robots[row];
     return robot.holds || robot.goal == formation.place(row) || pending_[row] >= kMaxPending;
-  }
-
-  // True if the plan has moves more.
-  bool Extend(Formation& formation, std::uint32_t row, const std::vector<bool>& is_fixed, bool is_first) {
-    const TrafficSearch search(graph_, closed_, is_fixed);
-    const std::size_t begun = formation.moves().size();
-    const std::uint32_t goal = *plan_.robots[row].goal;
-    bool found = search.Find(formation, row, goal);
-    const std::uint32_t there = formation.occupant(goal);
-    const bool is_taken = there != kNone && is_fixed[there];
-    if (!found && !is_taken && is_first && !has_searched_any_way_ &&
-        (plan_.moves.empty() || tick_ % kAnyWayTicks == 0)) {
-      has_searched_any_way_ = true;
-      found = search.FindAnyWay(formation, row, goal);
-    }
-    if (!found) return false;
-    if (!is_first) CutOff(formation, row, begun);
-    for (std::size_t i = begun; i < formation.moves().size(); ++i) {
-      const RowMove& move = formation.moves()[i];
-      plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false});
-      ++pending_[move.row];
-    }
-    return true;
-  }
-
-  // After some moves of the robot, at a vertex at which it may wait.
-  void CutOff(Formation& formation, std::uint32_t row, std::size_t begun) const {
-    std::size_t own = 0;
-    for (std::size_t i = begun; i < formation.moves().size(); ++i) {
-      const RowMove& move = formation.moves()[i];
-      if (move.row != row) continue;
-      if (++own >= kMaxMoves - kMinMoves && graph_.IsOpen(move.to)) return formation.UndoTo(i + 1);
-    }
   }
 
   void Grant() {
@@ -254,6 +249,7 @@ class Planner {
     }
   }
 
+  TrafficRoutes& routes_;
   const TrafficGraph& graph_;
   const std::vector<bool>& obstructed_;
   Tick tick_;
@@ -266,9 +262,9 @@ class Planner {
 
 }  // namespace
 
-void PlanTraffic(const TrafficGraph& graph, std::span<const TrafficRequest> requests,
-                 const std::vector<bool>& obstructed, Tick tick, TrafficPlan& plan) {
-  Planner(graph, obstructed, tick, plan).Update(requests);
+void PlanTraffic(TrafficRoutes& routes, std::span<const TrafficRequest> requests, const std::vector<bool>& obstructed,
+                 Tick tick, TrafficPlan& plan) {
+  Planner(routes, obstructed, tick, plan).Update(requests);
 }
 
 }  // namespace troupe

@@ -7,13 +7,13 @@
 // there is no deadlock. Moves that have not been granted can be dropped at any time: the robots at rest, and those on
 // granted moves at their ends, are again free of conflicts, and a new plan begins there.
 //
-// Each tick plans moves for robots that have few left. The one whose goal is the oldest has the first choice: its whole
-// way to the goal is planned, and all others make room. The others plan some moves ahead, and move away only robots
-// without a goal or with a younger one. So each robot becomes the one with the oldest goal, and arrives, if the graph
-// has room for it.
+// Each tick plans the next lane of each robot that has none left (priority_moves.h), in the order of the ages of the
+// goals: it comes nearer to its goal, and robots with younger goals, or without one, make room. The one with the oldest
+// goal of all has all others make room; where lanes do not let them, a search over their places (traffic_search.h)
+// plans its whole way. So each robot becomes the one with the oldest goal, and arrives, if the graph has room for it.
 //
 // A pure function of its arguments: the plan is a part of the state of the world, and depends on no clock, no packing
-// and no earlier call. Memory: kMaxMoves for each robot, and one whole way. Cost of a tick: linear in the moves, and
+// and no earlier call. Memory: some moves for each robot, and one whole way. Cost of a tick: linear in the robots, and
 // kMaxSearches searches.
 #pragma once
 
@@ -22,7 +22,7 @@
 #include <span>
 #include <vector>
 
-#include "common/traffic/traffic_graph.h"
+#include "common/traffic/traffic_routes.h"
 #include "troupe/ids.h"
 #include "troupe/traffic_state.h"
 
@@ -45,18 +45,17 @@ struct TrafficPlan {
   bool operator==(const TrafficPlan&) const = default;
 };
 
-inline constexpr std::size_t kMaxMoves = 8;      // planned ahead, for a robot that has not the oldest goal
-inline constexpr std::size_t kMinMoves = 4;      // with fewer it plans again
+inline constexpr std::size_t kMinMoves = 1;      // with fewer a robot plans again
+inline constexpr std::size_t kMovesAhead = 1;    // of its own, that it plans then
 inline constexpr std::size_t kMaxGrants = 4;     // moves of a robot that it may make without another decision
-inline constexpr std::size_t kMaxSearches = 32;  // of a tick
+inline constexpr std::size_t kMaxSearches = 32;  // of a tick, for ways around robots that stay
 inline constexpr Tick kClosedTicks = 600;        // a lane that a body blocks
 inline constexpr Tick kAnyWayTicks = 10;         // between searches for a way around others
 
-// The plan of the next tick. `requests`: ascending, at most one for each robot. `obstructed`: lanes that bodies outside
-// of the traffic are on, by lane; no move begins there. A robot takes part once its vertex is free of others, and no
-// longer without a request.
-// REQUIRES: the plan is empty, or of this function for the same graph.
-void PlanTraffic(const TrafficGraph& graph, std::span<const TrafficRequest> requests,
-                 const std::vector<bool>& obstructed, Tick tick, TrafficPlan& plan);
+// The plan of the next tick. `routes`: of the graph. `requests`: ascending, at most one for each robot. `obstructed`:
+// lanes that bodies outside of the traffic are on, by lane; no move begins there. A robot takes part once its vertex is
+// free of others, and no longer without a request. REQUIRES: the plan is empty, or of this function for the same graph.
+void PlanTraffic(TrafficRoutes& routes, std::span<const TrafficRequest> requests, const std::vector<bool>& obstructed,
+                 Tick tick, TrafficPlan& plan);
 
 }  // namespace troupe

@@ -1,6 +1,7 @@
 #include "common/traffic/traffic_search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <queue>
@@ -10,7 +11,6 @@
 namespace troupe {
 namespace {
 
-constexpr double kPushSeconds = 10.0;     // of the route past a robot that has to make room
 constexpr std::size_t kMaxTargets = 12;   // that a robot may be pushed to, tried from the nearest
 constexpr std::size_t kMaxPushes = 32;    // for one lane
 constexpr std::size_t kMaxTransfers = 8;  // of free vertices across a vertex
@@ -22,8 +22,8 @@ using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
 }  // namespace
 
-std::vector<TrafficExit> TrafficSearch::FindRoute(const Formation& formation, std::uint32_t row,
-                                                  std::uint32_t goal) const {
+std::vector<TrafficExit> TrafficSearch::FindRoute(const Formation& formation, std::uint32_t row, std::uint32_t goal,
+                                                  double push_seconds) const {
   struct Reached {
     double seconds = kUnreached;
     std::uint32_t from = kNone;
@@ -46,7 +46,7 @@ std::vector<TrafficExit> TrafficSearch::FindRoute(const Formation& formation, st
       const auto meet = [&](std::uint32_t other) {
         if (other == row) return;
         is_free = is_free && !is_fixed_[other];
-        seconds += kPushSeconds;
+        seconds += push_seconds;
       };
       if (vertex == start) {
         formation.ForEachBlocker(row, exit.lane, exit.to, meet);
@@ -73,23 +73,22 @@ TrafficSearch::Marks TrafficSearch::Near(std::span<const TrafficExit> lanes) con
   return marks;
 }
 
-bool TrafficSearch::Find(Formation& formation, std::uint32_t row, std::uint32_t goal) const {
-  if (formation.place(row) == goal) return true;
-  const std::vector<TrafficExit> route = FindRoute(formation, row, goal);
-  if (route.empty()) return false;
+bool TrafficSearch::Find(Formation& formation, std::uint32_t row, std::uint32_t goal, std::size_t own_moves,
+                         double push_seconds) const {
+  const std::vector<TrafficExit> route = FindRoute(formation, row, goal, push_seconds);
   const std::size_t begun = formation.moves().size();
-  for (std::size_t i = 0; i < route.size(); ++i) {
+  std::size_t open = begun;  // moves, with which the robot is at a vertex at which it may wait
+  for (std::size_t i = 0; i < route.size() && (i < own_moves || open != formation.moves().size()); ++i) {
     const TrafficExit& exit = route[i];
     if (!formation.CanMove(row, exit.lane, exit.to)) {
       const std::span<const TrafficExit> rest = std::span(route).subspan(i);
-      if (!Clear(formation, row, exit.lane, exit.to, Near(rest), Near(rest.first(1)))) {
-        formation.UndoTo(begun);
-        return false;
-      }
+      if (!Clear(formation, row, exit.lane, exit.to, Near(rest), Near(rest.first(1)))) break;
     }
     formation.Move(row, exit.lane, exit.to);
+    if (graph_.IsOpen(exit.to) || exit.to == goal) open = formation.moves().size();
   }
-  return true;
+  formation.UndoTo(open);
+  return open != begun;
 }
 
 // Pushes all robots out of the way of one along a lane: out of `best` where that is possible, else out of `good`.
@@ -190,30 +189,6 @@ bool TrafficSearch::MoveChain(Formation& formation, const std::vector<TrafficExi
   return true;
 }
 
-std::vector<double> TrafficSearch::SecondsTo(std::uint32_t goal) const {
-  std::vector<std::vector<TrafficExit>> entries(graph_.vertices());
-  for (std::uint32_t vertex = 0; vertex < graph_.vertices(); ++vertex) {
-    for (const TrafficExit& exit : graph_.exits(vertex)) {
-      if (!closed_[exit.lane]) entries[exit.to].push_back({vertex, exit.lane, exit.seconds});
-    }
-  }
-  std::vector<double> seconds(graph_.vertices(), kUnreached);
-  Queue open;
-  seconds[goal] = 0.0;
-  open.push({0.0, goal});
-  while (!open.empty()) {
-    const auto [at, vertex] = open.top();
-    open.pop();
-    if (at > seconds[vertex]) continue;
-    for (const TrafficExit& entry : entries[vertex]) {
-      if (at + entry.seconds >= seconds[entry.to]) continue;
-      seconds[entry.to] = at + entry.seconds;
-      open.push({seconds[entry.to], entry.to});
-    }
-  }
-  return seconds;
-}
-
 // The part of the graph that each vertex is in once these are taken away, from 0 on in the order of vertices; kNone for
 // these. Lanes connect in both directions here.
 std::vector<std::uint32_t> TrafficSearch::PartsWithout(std::uint32_t one, std::optional<std::uint32_t> two) const {
@@ -250,8 +225,8 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
     std::vector<RowMove> moves;  // from the parent
     double seconds = 0.0;
   };
-  const std::vector<double> seconds_to = SecondsTo(goal);
-  if (seconds_to[formation.place(row)] == kUnreached) return false;
+  const std::vector<float>& seconds_to = routes_.To(goal);
+  if (std::isinf(seconds_to[formation.place(row)])) return false;
   std::vector<State> states = {{formation.places(), kNone, {}, 0.0}};
   std::set<std::vector<std::uint32_t>> seen;
   Queue open;
@@ -269,7 +244,8 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
   open.push({seconds_to[formation.place(row)], 0});
   seen.insert(key_of(formation));
   std::optional<std::uint32_t> found;
-  while (!open.empty() && !found && states.size() < kMaxStates) {
+  const std::size_t most = std::min(kMaxStates, std::max<std::size_t>(kMaxVisits / graph_.vertices(), 10));
+  while (!open.empty() && !found && states.size() < most) {
     const std::uint32_t number = open.top().second;
     open.pop();
     const State state = states[number];
@@ -288,7 +264,7 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
       there.UndoTo(begun);
     };
     for (const TrafficExit& exit : graph_.exits(at)) {
-      if (closed_[exit.lane] || found || seconds_to[exit.to] == kUnreached) continue;
+      if (closed_[exit.lane] || found || std::isinf(seconds_to[exit.to])) continue;
       Formation there(graph_, state.places);
       add(there, exit);
       // Free vertices move across the next vertex into each of the parts behind it, one after another.

@@ -16,37 +16,45 @@
 
 #include "common/traffic/formation.h"
 #include "common/traffic/traffic_graph.h"
+#include "common/traffic/traffic_routes.h"
 
 namespace troupe {
 
 class TrafficSearch {
  public:
   static constexpr std::size_t kMaxStates = 2000;
+  static constexpr std::size_t kMaxVisits = 200'000;  // states times vertices
 
-  // `closed`: by lane. `is_fixed`: by row, the robots that stay where they are. All outlive the search.
-  TrafficSearch(const TrafficGraph& graph, const std::vector<bool>& closed, const std::vector<bool>& is_fixed)
-      : graph_(graph), closed_(closed), is_fixed_(is_fixed) {}
+  // `closed`: by lane. `routes`: for these lanes, or with fewer closed. `is_fixed`: by row, the robots that stay where
+  // they are. All outlive the search.
+  TrafficSearch(const TrafficGraph& graph, const std::vector<bool>& closed, TrafficRoutes& routes,
+                const std::vector<bool>& is_fixed)
+      : graph_(graph), closed_(closed), routes_(routes), is_fixed_(is_fixed) {}
 
   // Adds the moves to those of the formation. False: there is no such way, and the formation is as before.
-  bool Find(Formation& formation, std::uint32_t row, std::uint32_t goal) const;
+  // Find: the first `own_moves` of the robot, or some more up to a vertex at which it may wait, or fewer if the rest is
+  // not possible now. `push_seconds`: of the route past a robot that has to make room.
+  bool Find(Formation& formation, std::uint32_t row, std::uint32_t goal, std::size_t own_moves,
+            double push_seconds) const;
   bool FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal) const;
 
  private:
   // Vertices at which a robot that is pushed may not end.
   using Marks = std::vector<bool>;
 
-  std::vector<TrafficExit> FindRoute(const Formation& formation, std::uint32_t row, std::uint32_t goal) const;
+  std::vector<TrafficExit> FindRoute(const Formation& formation, std::uint32_t row, std::uint32_t goal,
+                                     double push_seconds) const;
   bool Clear(Formation& formation, std::uint32_t row, std::uint32_t lane, std::uint32_t to, const Marks& best,
              const Marks& good) const;
   bool Push(Formation& formation, std::uint32_t pushed, std::uint32_t pinned, const Marks& avoided) const;
   bool MoveChain(Formation& formation, const std::vector<TrafficExit>& way, std::uint32_t first) const;
   bool MayPass(const Formation& formation, std::uint32_t pinned, std::uint32_t moving, const TrafficExit& exit) const;
   Marks Near(std::span<const TrafficExit> lanes) const;
-  std::vector<double> SecondsTo(std::uint32_t goal) const;
   std::vector<std::uint32_t> PartsWithout(std::uint32_t one, std::optional<std::uint32_t> two) const;
 
   const TrafficGraph& graph_;
   const std::vector<bool>& closed_;
+  TrafficRoutes& routes_;
   const std::vector<bool>& is_fixed_;
 };
 

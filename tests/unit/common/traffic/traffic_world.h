@@ -131,7 +131,7 @@ class TrafficRun {
                           .holds = robot.holds > 0,
                           .finished = robot.finished});
     }
-    PlanTraffic(graph, requests, obstructed, tick, plan);
+    PlanTraffic(routes, requests, obstructed, tick, plan);
     ++tick;
     Check();
   }
@@ -145,6 +145,7 @@ class TrafficRun {
 
   std::vector<LaneGraph> graphs;
   TrafficGraph graph;
+  TrafficRoutes routes{graph};
   Draws draws;
   std::vector<bool> obstructed;
   TrafficPlan plan;
