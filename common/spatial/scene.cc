@@ -9,20 +9,21 @@
 
 #include "common/model/states.h"
 #include "common/spatial/walk_routes.h"
-#include "common/traffic/traffic_graph.h"
+#include "common/traffic/traffic_routes.h"
 
 namespace troupe {
 
-struct LastTrafficGraph {
+struct TrafficRoutesStore {
   std::mutex mutex;
   std::vector<double> radii;
   std::shared_ptr<const TrafficGraph> graph;  // null: none yet
+  std::vector<std::unique_ptr<TrafficRoutes>> free;
 };
 
 Scene::Scene(Shared<WorldDescription> description)
     : world_(std::move(description)),
       walk_routes_(std::make_shared<LazyWalkRoutes>()),
-      traffic_graph_(std::make_shared<LastTrafficGraph>()) {
+      traffic_routes_(std::make_shared<TrafficRoutesStore>()) {
   FindBodies();
   FindStoresOfModels();
   imus_ = FindImus(world());
@@ -42,13 +43,26 @@ Scene::Scene(Shared<WorldDescription> description)
   MeasureRadioReach();
 }
 
-std::shared_ptr<const TrafficGraph> Scene::TrafficGraphFor(const std::vector<double>& radii) const {
-  const std::lock_guard lock(traffic_graph_->mutex);
-  if (!traffic_graph_->graph || traffic_graph_->radii != radii) {
-    traffic_graph_->graph = std::make_shared<const TrafficGraph>(world().lane_graphs, radii);
-    traffic_graph_->radii = radii;
+std::shared_ptr<TrafficRoutes> Scene::TrafficRoutesFor(const std::vector<double>& radii) const {
+  const std::lock_guard lock(traffic_routes_->mutex);
+  TrafficRoutesStore& store = *traffic_routes_;
+  if (!store.graph || store.radii != radii) {
+    store.graph = std::make_shared<const TrafficGraph>(world().lane_graphs, radii);
+    store.radii = radii;
+    store.free.clear();
   }
-  return traffic_graph_->graph;
+  std::unique_ptr<TrafficRoutes> routes;
+  if (store.free.empty()) {
+    routes = std::make_unique<TrafficRoutes>(store.graph);
+  } else {
+    routes = std::move(store.free.back());
+    store.free.pop_back();
+  }
+  return {routes.release(), [owner = traffic_routes_](TrafficRoutes* used) {
+            std::unique_ptr<TrafficRoutes> returned(used);
+            const std::lock_guard returning(owner->mutex);
+            if (&returned->graph() == owner->graph.get()) owner->free.push_back(std::move(returned));
+          }};
 }
 
 const WalkRoutes& Scene::walk_routes() const {

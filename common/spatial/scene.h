@@ -48,8 +48,8 @@ struct Body {
 
 class WalkRoutes;
 struct LazyWalkRoutes;
-class TrafficGraph;
-struct LastTrafficGraph;
+class TrafficRoutes;
+struct TrafficRoutesStore;
 
 // A store of energy, with the models that it feeds.
 struct Store {
@@ -131,9 +131,10 @@ class Scene {
   // The ways of people. Made by the first call, by any thread.
   const WalkRoutes& walk_routes() const;
 
-  // The lanes of the world as one graph for robots of these radii, m, by graph of lanes. The last one is kept: radii
-  // change only when robots begin or end to take part. By any thread.
-  std::shared_ptr<const TrafficGraph> TrafficGraphFor(const std::vector<double>& radii) const;
+  // Routes on the lanes of the world for robots of these radii, m, by graph of lanes; for one thread, until they are
+  // released. What they keep is of use to the next call with these radii, which change only when robots begin or end to
+  // take part in the traffic.
+  std::shared_ptr<TrafficRoutes> TrafficRoutesFor(const std::vector<double>& radii) const;
 
   // The largest of all bodies' radii, m.
   double max_body_radius() const { return max_body_radius_; }
@@ -168,7 +169,7 @@ class Scene {
   StaticIndex static_index_;
   double max_body_radius_ = 0.0;
   std::shared_ptr<LazyWalkRoutes> walk_routes_;
-  std::shared_ptr<LastTrafficGraph> traffic_graph_;
+  std::shared_ptr<TrafficRoutesStore> traffic_routes_;
 };
 
 // The world of a scene, without a copy: it lives as long as one of both.

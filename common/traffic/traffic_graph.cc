@@ -169,11 +169,16 @@ void TrafficGraph::FindGroups(std::span<const LaneGraph> graphs) {
     }
   }
   for (Vertex& vertex : vertices_) MakeSet(vertex.groups);
+  const auto add = [this](std::vector<std::uint32_t>& groups, std::uint32_t end) {
+    groups.insert(groups.end(), vertices_[end].groups.begin(), vertices_[end].groups.end());
+    MakeSet(groups);
+  };
   for (Way& lane : lanes_) {
-    for (const std::uint32_t end : {lane.start, lane.end}) {
-      lane.groups.insert(lane.groups.end(), vertices_[end].groups.begin(), vertices_[end].groups.end());
-    }
-    MakeSet(lane.groups);
+    lane.to_end.groups = lane.to_start.groups = lane.groups;
+    add(lane.to_end.groups, lane.end);
+    add(lane.to_start.groups, lane.start);
+    add(lane.groups, lane.start);
+    add(lane.groups, lane.end);
   }
 }
 
@@ -228,6 +233,30 @@ void TrafficGraph::FindConflicts(double radius) {
       lane.near_lanes.insert(lane.near_lanes.end(), lanes_at[vertex].begin(), lanes_at[vertex].end());
     }
     MakeSet(lane.near_lanes);
+  }
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    Way& lane = lanes_[i];
+    const double leave_distance = ways[i].radius + radius;
+    const Vec2 along = ways[i].b - ways[i].a;
+    const double length = along.norm();
+    if (length <= leave_distance) continue;
+    lane.leave_distance = leave_distance;
+    const auto find_rest = [&](Rest& rest, Segment left, std::uint32_t end) {
+      for (const std::uint32_t other : lane.near_lanes) {
+        if (other == i || is_near(left, ways[other])) rest.near_lanes.push_back(other);
+      }
+      for (const std::uint32_t vertex : vertices_[end].near) {
+        rest.near_lanes.insert(rest.near_lanes.end(), lanes_at[vertex].begin(), lanes_at[vertex].end());
+      }
+      MakeSet(rest.near_lanes);
+    };
+    const Vec2 step = leave_distance / length * along;
+    Segment left = ways[i];
+    left.a += step;
+    find_rest(lane.to_end, left, lane.end);
+    left = ways[i];
+    left.b -= step;
+    find_rest(lane.to_start, left, lane.start);
   }
 }
 

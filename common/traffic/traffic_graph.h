@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,15 @@ class TrafficGraph {
   std::span<const std::uint32_t> VerticesNearVertex(std::uint32_t vertex) const { return vertices_.at(vertex).near; }
   std::span<const std::uint32_t> VerticesNearLane(std::uint32_t lane) const { return lanes_[lane].near_vertices; }
   std::span<const std::uint32_t> LanesNearLane(std::uint32_t lane) const { return lanes_[lane].near_lanes; }
+  // m along a lane, from which on a robot is clear of all that is near its start alone; infinity for a short lane.
+  double leave_distance(std::uint32_t lane) const { return lanes_[lane].leave_distance; }
+  // Those that conflict with the rest of a lane on the way `to` one of its ends; as above. REQUIRES: it can be left.
+  std::span<const std::uint32_t> LanesNearRest(std::uint32_t lane, std::uint32_t to) const {
+    return RestOf(lane, to).near_lanes;
+  }
+  std::span<const std::uint32_t> GroupsOfRest(std::uint32_t lane, std::uint32_t to) const {
+    return RestOf(lane, to).groups;
+  }
   // Groups that a body there has for itself; ascending, from 0 on.
   std::size_t groups() const { return group_count_; }
   std::span<const std::uint32_t> GroupsOfVertex(std::uint32_t vertex) const { return vertices_[vertex].groups; }
@@ -72,9 +82,17 @@ class TrafficGraph {
     std::vector<std::uint32_t> near = {};
     std::vector<std::uint32_t> groups = {};
   };
+  // Of a lane that a robot has left the start of.
+  struct Rest {
+    std::vector<std::uint32_t> near_lanes = {};
+    std::vector<std::uint32_t> groups = {};
+  };
   struct Way {
     std::uint32_t start = 0;
     std::uint32_t end = 0;
+    double leave_distance = std::numeric_limits<double>::infinity();
+    Rest to_end = {};
+    Rest to_start = {};
     std::vector<std::uint32_t> near_vertices = {};
     std::vector<std::uint32_t> near_lanes = {};
     std::vector<std::uint32_t> groups = {};
@@ -84,6 +102,9 @@ class TrafficGraph {
   void AddWay(std::uint32_t start, std::uint32_t end, double seconds, bool is_bidirectional);
   void FindGroups(std::span<const LaneGraph> graphs);
   void FindConflicts(double radius);
+  const Rest& RestOf(std::uint32_t lane, std::uint32_t to) const {
+    return to == lanes_[lane].end ? lanes_[lane].to_end : lanes_[lane].to_start;
+  }
 
   std::vector<Vertex> vertices_;
   std::vector<Way> lanes_;

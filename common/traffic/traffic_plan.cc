@@ -18,27 +18,37 @@ constexpr std::size_t kMaxPending = 64;  // moves of a robot that others push
 class Claims {
  public:
   explicit Claims(const TrafficGraph& graph)
-      : graph_(graph), of_lanes_(graph.lanes(), kNone), of_groups_(graph.groups(), kNone) {}
+      : graph_(graph),
+        of_lanes_(graph.lanes(), kNone),
+        near_lanes_(graph.lanes(), kNone),
+        of_groups_(graph.groups(), kNone) {}
 
   bool AreOfOthers(std::uint32_t row, std::uint32_t lane) const {
     const auto is_other = [&](std::uint32_t owner) { return owner != kNone && owner != row; };
     const auto lanes = graph_.LanesNearLane(lane);
     const auto groups = graph_.GroupsOfLane(lane);
-    return std::any_of(lanes.begin(), lanes.end(), [&](std::uint32_t near) { return is_other(of_lanes_[near]); }) ||
+    return is_other(near_lanes_[lane]) ||
+           std::any_of(lanes.begin(), lanes.end(), [&](std::uint32_t near) { return is_other(of_lanes_[near]); }) ||
            std::any_of(groups.begin(), groups.end(), [&](std::uint32_t group) { return is_other(of_groups_[group]); });
   }
 
   void Add(std::uint32_t row, std::uint32_t lane) {
-    const auto add = [&](std::uint32_t& owner) { owner = owner == kNone || owner == row ? row : kSeveral; };
-    add(of_lanes_[lane]);
-    for (const std::uint32_t group : graph_.GroupsOfLane(lane)) add(of_groups_[group]);
+    Mark(row, of_lanes_[lane]);
+    for (const std::uint32_t group : graph_.GroupsOfLane(lane)) Mark(row, of_groups_[group]);
+  }
+  // Of a move whose start the robot has left.
+  void AddRest(std::uint32_t row, std::uint32_t lane, std::uint32_t to) {
+    for (const std::uint32_t near : graph_.LanesNearRest(lane, to)) Mark(row, near_lanes_[near]);
+    for (const std::uint32_t group : graph_.GroupsOfRest(lane, to)) Mark(row, of_groups_[group]);
   }
 
  private:
   static constexpr std::uint32_t kSeveral = kNone - 1;
+  static void Mark(std::uint32_t row, std::uint32_t& owner) { owner = owner == kNone || owner == row ? row : kSeveral; }
 
   const TrafficGraph& graph_;
-  std::vector<std::uint32_t> of_lanes_;
+  std::vector<std::uint32_t> of_lanes_;    // by lane: a move along it
+  std::vector<std::uint32_t> near_lanes_;  // by lane: the rest of a move near it
   std::vector<std::uint32_t> of_groups_;
 };
 
@@ -100,11 +110,16 @@ class Planner {
       const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
       if (front == plan_.moves.end() || !front->granted) break;  // a report of a move that it does not have
       robot.at = front->to;
+      robot.has_left = false;
       ++robot.finished;
       plan_.moves.erase(front);
     }
     robot.finished = request.finished;
     robot.holds = request.holds;
+    const auto present = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
+    if (present != plan_.moves.end() && present->granted && present->to != robot.at) {
+      robot.has_left = robot.has_left || request.driven >= graph_.leave_distance(present->lane);
+    }
     if (robot.goal != request.goal) {
       robot.goal = request.goal;
       robot.since = tick_;
@@ -113,14 +128,13 @@ class Planner {
     if (request.is_blocked) TurnBack(robot);
   }
 
-  // The robot goes back to where its present move began, and the lane is closed for a while.
-  void TurnBack(const TrafficRobot& robot) {
+  // The lane is closed for a while, and the robot goes back to where its present move began, once no other one is
+  // there.
+  void TurnBack(TrafficRobot& robot) {
     const auto is_own = [&](const TrafficMove& move) { return move.robot == robot.robot; };
     const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
     if (front == plan_.moves.end() || !front->granted || front->to == robot.at) return;
-    front->to = robot.at;
     drops_ = true;
-    plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
     const LaneClosure closure{front->lane, tick_ + kClosedTicks};
     const auto place = std::lower_bound(plan_.closures.begin(), plan_.closures.end(), closure,
                                         [](const LaneClosure& a, const LaneClosure& b) { return a.lane < b.lane; });
@@ -129,6 +143,31 @@ class Planner {
     } else {
       plan_.closures.insert(place, closure);
     }
+    if (robot.has_left && !IsStartFree(robot, front->lane)) return;
+    front->to = robot.at;
+    robot.has_left = false;
+    plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
+  }
+
+  // Of a robot on a lane that it has left the start of.
+  bool IsStartFree(const TrafficRobot& robot, std::uint32_t lane) const {
+    const auto vertices = graph_.VerticesNearVertex(robot.at);
+    const auto lanes = graph_.LanesNearLane(lane);
+    const auto groups = graph_.GroupsOfLane(lane);
+    const auto meets = [](std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
+      return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+    };
+    return std::none_of(plan_.robots.begin(), plan_.robots.end(),
+                        [&](const TrafficRobot& other) {
+                          return other.robot != robot.robot && !other.has_left &&
+                                 (std::binary_search(vertices.begin(), vertices.end(), other.at) ||
+                                  meets(groups, graph_.GroupsOfVertex(other.at)));
+                        }) &&
+           std::none_of(plan_.moves.begin(), plan_.moves.end(), [&](const TrafficMove& move) {
+             return move.robot != robot.robot && move.granted &&
+                    (std::binary_search(lanes.begin(), lanes.end(), move.lane) ||
+                     meets(groups, graph_.GroupsOfLane(move.lane)));
+           });
   }
 
   // A robot that takes part from now on, unless another one is there, or moves there.
@@ -193,7 +232,7 @@ class Planner {
     const std::size_t first_search = order.empty() ? 0 : tick_ * kMaxSearches % order.size();
     for (std::size_t i = 0; i < order.size(); ++i) {
       const std::uint32_t row = order[i];
-      if (pending_[row] >= kMinMoves) continue;
+      if (pending_[row] > (plan_.robots[row].has_left ? 1U : 0U)) continue;
       const std::size_t begun = formation.moves().size();
       const std::uint32_t goal = *plan_.robots[row].goal;
       if (!moves.Advance(row, goal, kMovesAhead)) {
@@ -235,6 +274,7 @@ class Planner {
     Claims claims(graph_);
     std::vector<std::size_t> granted(plan_.robots.size(), 0);
     std::vector<bool> waits(plan_.robots.size(), false);
+    std::vector<char> has_move(plan_.robots.size(), 0);
     for (TrafficMove& move : plan_.moves) {
       const std::uint32_t row = *RowOf(move.robot);
       if (!move.granted && !waits[row] && granted[row] < kMaxGrants && !obstructed_[move.lane]) {
@@ -245,7 +285,12 @@ class Planner {
       } else {
         waits[row] = true;
       }
-      claims.Add(row, move.lane);
+      // The present move of a robot is its first one in the plan.
+      if (!std::exchange(has_move[row], 1) && plan_.robots[row].has_left) {
+        claims.AddRest(row, move.lane, move.to);
+      } else {
+        claims.Add(row, move.lane);
+      }
     }
   }
 

@@ -2,7 +2,8 @@
 //
 // A plan is a sequence of moves of robots along lanes, one after another, such that each keeps clear of all robots at
 // rest. It is executed by an action dependency graph (Hoenig and others, 2019): a robot may begin a move once all
-// earlier moves that conflict with it have been finished. Moves that do not conflict happen at the same time, in
+// earlier moves that conflict with it have been finished, or are clear of it: once a robot has left the start of a
+// lane, others may go there. Moves that do not conflict happen at the same time, in
 // whatever order robots are ready; so no delay of a robot breaks the plan, and the earliest move can always begin:
 // there is no deadlock. Moves that have not been granted can be dropped at any time: the robots at rest, and those on
 // granted moves at their ends, are again free of conflicts, and a new plan begins there.
@@ -35,6 +36,7 @@ struct TrafficRequest {
   std::optional<std::uint32_t> goal = {};
   bool holds = false;          // it stays where it is, for instance while it is loaded
   std::uint32_t finished = 0;  // moves since it takes part, modulo 2^32
+  double driven = 0.0;         // m, along the lane of its present move
   bool is_blocked = false;     // a body that takes no part is in the way of its present move
 };
 
@@ -45,8 +47,7 @@ struct TrafficPlan {
   bool operator==(const TrafficPlan&) const = default;
 };
 
-inline constexpr std::size_t kMinMoves = 1;      // with fewer a robot plans again
-inline constexpr std::size_t kMovesAhead = 1;    // of its own, that it plans then
+inline constexpr std::size_t kMovesAhead = 1;    // of its own, that a robot plans at a time
 inline constexpr std::size_t kMaxGrants = 4;     // moves of a robot that it may make without another decision
 inline constexpr std::size_t kMaxSearches = 32;  // of a tick, for ways around robots that stay
 inline constexpr Tick kClosedTicks = 600;        // a lane that a body blocks

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/traffic/traffic_graph.h"
@@ -16,10 +18,9 @@ class TrafficRoutes {
  public:
   static constexpr std::size_t kMaxKept = 1 << 24;
 
-  // `graph` outlives it.
-  explicit TrafficRoutes(const TrafficGraph& graph) : graph_(graph) {}
+  explicit TrafficRoutes(std::shared_ptr<const TrafficGraph> graph) : graph_(std::move(graph)) {}
 
-  const TrafficGraph& graph() const { return graph_; }
+  const TrafficGraph& graph() const { return *graph_; }
   // s, by vertex, from there to `goal` along lanes that are not closed; infinity if there is no way. `closed`: by lane.
   // The result is valid until the next call of Begin.
   const std::vector<float>& To(std::uint32_t goal);
@@ -27,7 +28,7 @@ class TrafficRoutes {
   void Begin(const std::vector<bool>& closed);
 
  private:
-  const TrafficGraph& graph_;
+  std::shared_ptr<const TrafficGraph> graph_;
   std::vector<bool> closed_;
   std::map<std::uint32_t, std::vector<float>> kept_;  // by goal
 };

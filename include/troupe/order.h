@@ -86,6 +86,7 @@ struct TrafficOrder {
   std::optional<std::uint32_t> goal = {};  // of the same graph; nothing: it makes room for others
   bool holds = false;                      // it stays where it is, for instance while it is loaded
   std::uint32_t finished = 0;              // moves since it takes part, modulo 2^32
+  double driven = 0.0;                     // m, along the lane of its present move
   bool is_blocked = false;                 // a body that takes no part is in the way of its present move
   bool operator==(const TrafficOrder&) const = default;
   static constexpr auto Fields() {
@@ -94,6 +95,7 @@ struct TrafficOrder {
         Field{"goal", &TrafficOrder::goal},
         Field{"holds", &TrafficOrder::holds},
         Field{"finished", &TrafficOrder::finished},
+        Field{"driven", &TrafficOrder::driven}.In("m"),
         Field{"blocked", &TrafficOrder::is_blocked},
     };
   }

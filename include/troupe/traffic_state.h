@@ -21,6 +21,7 @@ struct TrafficRobot {
   Tick since = 0;
   bool holds = false;
   std::uint32_t finished = 0;
+  bool has_left = false;
   bool operator==(const TrafficRobot&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -30,6 +31,7 @@ struct TrafficRobot {
         Field{"since", &TrafficRobot::since, "of the goal"}.In("tick"),
         Field{"holds", &TrafficRobot::holds, "it stays where it is"},
         Field{"finished", &TrafficRobot::finished, "moves since it takes part, modulo 2^32"},
+        Field{"left", &TrafficRobot::has_left, "it is clear of the start of its present move"},
     };
   }
 };

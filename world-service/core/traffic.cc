@@ -13,7 +13,7 @@ namespace troupe {
 namespace {
 
 // Beside the body of a robot: as the controller stops behind another robot, and not exactly at a vertex.
-constexpr double kMargin = 0.2;  // m
+constexpr double kMargin = 0.2;    // m
 constexpr double kLevelGap = 1.3;  // m: bodies so far apart in height are on different levels
 
 std::size_t GraphOf(const WorldDescription& world, std::uint32_t vertex) {
@@ -88,10 +88,10 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
     state.lane_closures.clear();
     return;
   }
-  const std::shared_ptr<const TrafficGraph> graph = workspace.scene.TrafficGraphFor(radii);
+  const std::shared_ptr<TrafficRoutes> routes = workspace.scene.TrafficRoutesFor(radii);
   TrafficPlan plan{std::move(state.traffic_robots), std::move(state.traffic_moves), std::move(state.lane_closures)};
-  if (!Fits(*graph, plan)) plan = {};
-  PlanTraffic(*graph, requests, FindObstructed(workspace, *graph, radii, takes_part), state.tick, plan);
+  if (!Fits(routes->graph(), plan)) plan = {};
+  PlanTraffic(*routes, requests, FindObstructed(workspace, routes->graph(), radii, takes_part), state.tick, plan);
   state.traffic_robots = std::move(plan.robots);
   state.traffic_moves = std::move(plan.moves);
   state.lane_closures = std::move(plan.closures);

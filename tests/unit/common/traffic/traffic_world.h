@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -92,6 +93,7 @@ class TrafficRun {
     std::optional<std::uint32_t> goal = {};
     std::uint32_t finished = 0;
     std::size_t left = 0;  // ticks of the present move
+    std::size_t most = 1;  // of these at its start
     bool moves = false;
     std::uint32_t lane = 0;
     std::size_t holds = 0;  // ticks at the goal
@@ -101,7 +103,10 @@ class TrafficRun {
   };
 
   TrafficRun(std::vector<LaneGraph> its_graphs, std::uint64_t seed)
-      : graphs(std::move(its_graphs)), graph(GraphOf(graphs)), draws(seed), obstructed(graph.lanes(), false) {}
+      : graphs(std::move(its_graphs)),
+        routes(std::make_shared<const TrafficGraph>(GraphOf(graphs))),
+        draws(seed),
+        obstructed(graph.lanes(), false) {}
 
   void Place(std::uint32_t vertex) { robots.push_back({.at = vertex}); }
 
@@ -129,7 +134,8 @@ class TrafficRun {
                           .at = robot.at,
                           .goal = robot.goal,
                           .holds = robot.holds > 0,
-                          .finished = robot.finished});
+                          .finished = robot.finished,
+                          .driven = DrivenBy(robot)});
     }
     PlanTraffic(routes, requests, obstructed, tick, plan);
     ++tick;
@@ -144,8 +150,8 @@ class TrafficRun {
   }
 
   std::vector<LaneGraph> graphs;
-  TrafficGraph graph;
-  TrafficRoutes routes{graph};
+  TrafficRoutes routes;
+  const TrafficGraph& graph = routes.graph();
   Draws draws;
   std::vector<bool> obstructed;
   TrafficPlan plan;
@@ -173,9 +179,17 @@ class TrafficRun {
       if (!move.granted) break;
       robot.moves = true;
       robot.lane = move.lane;
-      robot.left = 1 + draws.Below(8);
+      robot.left = robot.most = 1 + draws.Below(8);
       break;
     }
+  }
+
+  // m, along its lane.
+  double DrivenBy(const Robot& robot) const {
+    if (!robot.moves) return 0.0;
+    const LaneGraph& lanes = graphs.front();
+    const double length = lanes.Way(graph.start(robot.lane), graph.end(robot.lane)).norm();
+    return length * static_cast<double>(robot.most - robot.left) / static_cast<double>(robot.most);
   }
 
   struct Place_ {
@@ -190,9 +204,14 @@ class TrafficRun {
       const LaneVertex& vertex = lanes.vertices[robot.at];
       return {vertex.position, vertex.position, {vertex.mutex}};
     }
-    const LaneVertex& start = lanes.vertices[graph.start(robot.lane)];
-    const LaneVertex& end = lanes.vertices[graph.end(robot.lane)];
-    return {start.position, end.position, {start.mutex, end.mutex}};
+    const bool is_forward = robot.at == graph.start(robot.lane);
+    const LaneVertex& start = lanes.vertices[robot.at];
+    const LaneVertex& end = lanes.vertices[is_forward ? graph.end(robot.lane) : graph.start(robot.lane)];
+    // From where it is on, or anywhere as long as it is near the start.
+    const double length = (end.position - start.position).norm();
+    const double driven = DrivenBy(robot);
+    if (driven < kClearance || length == 0.0) return {start.position, end.position, {start.mutex, end.mutex}};
+    return {start.position + driven / length * (end.position - start.position), end.position, {end.mutex}};
   }
 
   // By points along the lanes: another way than that of the graph.
