@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kRideSeconds = 20.0;  // of a ride, beside 1 s for each m of height
 constexpr double kDoorSeconds = 3.0;
-constexpr double kLevelGap = 1.3;  // m: bodies so far apart in height do not meet
+constexpr double kLeaveMargin = 1e-3;  // m, beyond the distance at which a lane is clear of its start
+constexpr double kLevelGap = 1.3;      // m: bodies so far apart in height do not meet
 
 struct Segment {
   Vec2 a{0.0, 0.0};
@@ -236,7 +237,7 @@ void TrafficGraph::FindConflicts(double radius) {
   }
   for (std::size_t i = 0; i < lanes_.size(); ++i) {
     Way& lane = lanes_[i];
-    const double leave_distance = ways[i].radius + radius;
+    const double leave_distance = ways[i].radius + radius + kLeaveMargin;
     const Vec2 along = ways[i].b - ways[i].a;
     const double length = along.norm();
     if (length <= leave_distance) continue;

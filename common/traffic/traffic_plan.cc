@@ -259,9 +259,9 @@ class Planner {
     const TrafficSearch search(graph_, closed_, routes_, is_fixed);
     const std::uint32_t goal = *plan_.robots[row].goal;
     const bool found = search.Find(formation, row, goal, kMovesAhead, is_first ? 0.0 : kPushSeconds);
-    if (!found && is_first && (plan_.moves.empty() || tick_ % kAnyWayTicks == 0)) {
-      search.FindAnyWay(formation, row, goal);
-    }
+    if (found || !is_first || (!plan_.moves.empty() && tick_ % kAnyWayTicks != 0)) return;
+    // Without a way to its goal it would stand in the ways of all others.
+    if (!search.FindAnyWay(formation, row, goal)) plan_.robots[row].since = tick_;
   }
 
   // It holds, will be at its goal and has to arrive there first, or has many moves to make.
@@ -300,9 +300,8 @@ class Planner {
   Tick tick_;
   TrafficPlan& plan_;
   std::vector<bool> closed_;
-  std::vector<std::size_t> pending_;   // moves, by row
-  bool drops_ = false;                 // the moves that are not granted
-  bool has_searched_any_way_ = false;  // in this tick: it is the longest search
+  std::vector<std::size_t> pending_;  // moves, by row
+  bool drops_ = false;                // the moves that are not granted
 };
 
 }  // namespace

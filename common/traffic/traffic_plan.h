@@ -11,7 +11,8 @@
 // Each tick plans the next lane of each robot that has none left (priority_moves.h), in the order of the ages of the
 // goals: it comes nearer to its goal, and robots with younger goals, or without one, make room. The one with the oldest
 // goal of all has all others make room; where lanes do not let them, a search over their places (traffic_search.h)
-// plans its whole way. So each robot becomes the one with the oldest goal, and arrives, if the graph has room for it.
+// plans its whole way. So each robot becomes the one with the oldest goal, and arrives, if the graph has room for it. If it
+// has not, the goal counts as new, so that others go on, and perhaps make room.
 //
 // A pure function of its arguments: the plan is a part of the state of the world, and depends on no clock, no packing
 // and no earlier call. Memory: some moves for each robot, and one whole way. Cost of a tick: linear in the robots, and

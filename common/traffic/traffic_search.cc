@@ -15,7 +15,6 @@ constexpr std::size_t kMaxTargets = 12;   // that a robot may be pushed to, trie
 constexpr std::size_t kMaxPushes = 32;    // for one lane
 constexpr std::size_t kMaxTransfers = 8;  // of free vertices across a vertex
 constexpr double kUnreached = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kNone = Formation::kNone;
 
 using Entry = std::pair<double, std::uint32_t>;  // s, vertex or state
 using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
@@ -26,7 +25,7 @@ std::vector<TrafficExit> TrafficSearch::FindRoute(const Formation& formation, st
                                                   double push_seconds) const {
   struct Reached {
     double seconds = kUnreached;
-    std::uint32_t from = kNone;
+    std::uint32_t from = Formation::kNone;
     TrafficExit by = {};
     bool is_final = false;
   };
@@ -122,7 +121,7 @@ bool TrafficSearch::MayPass(const Formation& formation, std::uint32_t pinned, st
 bool TrafficSearch::Push(Formation& formation, std::uint32_t pushed, std::uint32_t pinned, const Marks& avoided) const {
   struct Reached {
     bool is = false;
-    std::uint32_t from = kNone;
+    std::uint32_t from = Formation::kNone;
     TrafficExit by = {};
   };
   const std::uint32_t start = formation.place(pushed);
@@ -140,7 +139,7 @@ bool TrafficSearch::Push(Formation& formation, std::uint32_t pushed, std::uint32
   };
   for (std::size_t i = 0; i < order.size() && tries < kMaxTargets; ++i) {
     const std::uint32_t vertex = order[i];
-    if (i > 0 && formation.occupant(vertex) == kNone && !avoided[vertex]) {
+    if (i > 0 && formation.occupant(vertex) == Formation::kNone && !avoided[vertex]) {
       if (!graph_.IsOpen(vertex)) {
         shut.push_back(vertex);
       } else if (try_target(vertex)) {
@@ -151,8 +150,8 @@ bool TrafficSearch::Push(Formation& formation, std::uint32_t pushed, std::uint32
     for (const TrafficExit& exit : graph_.exits(vertex)) {
       if (reached[exit.to].is) continue;
       // The robot that will move along the lane is the one there, or the pushed one.
-      if (there != kNone && !MayPass(formation, pinned, there, exit)) continue;
-      if (there == kNone) {
+      if (there != Formation::kNone && !MayPass(formation, pinned, there, exit)) continue;
+      if (there == Formation::kNone) {
         bool is_free = !closed_[exit.lane];
         formation.ForEachNear(exit.lane, [&](std::uint32_t other) {
           is_free = is_free && (other == pushed || (other != pinned && !is_fixed_[other]));
@@ -176,7 +175,7 @@ bool TrafficSearch::MoveChain(Formation& formation, const std::vector<TrafficExi
   for (std::size_t i = way.size(); i-- > 0;) {
     const std::uint32_t from = i == 0 ? first : way[i - 1].to;
     const std::uint32_t robot = formation.occupant(from);
-    if (robot == kNone) continue;
+    if (robot == Formation::kNone) continue;
     for (std::size_t k = i; k < end; ++k) {
       if (!formation.CanMove(robot, way[k].lane, way[k].to)) {
         formation.UndoTo(begun);
@@ -189,8 +188,8 @@ bool TrafficSearch::MoveChain(Formation& formation, const std::vector<TrafficExi
   return true;
 }
 
-// The part of the graph that each vertex is in once these are taken away, from 0 on in the order of vertices; kNone for
-// these. Lanes connect in both directions here.
+// The part of the graph that each vertex is in once these are taken away, from 0 on in the order of vertices;
+// Formation::kNone for these. Lanes connect in both directions here.
 std::vector<std::uint32_t> TrafficSearch::PartsWithout(std::uint32_t one, std::optional<std::uint32_t> two) const {
   std::vector<std::uint32_t> roots(graph_.vertices());
   for (std::uint32_t i = 0; i < roots.size(); ++i) roots[i] = i;
@@ -208,7 +207,7 @@ std::vector<std::uint32_t> TrafficSearch::PartsWithout(std::uint32_t one, std::o
       roots[std::max(a, b)] = std::min(a, b);
     }
   }
-  std::vector<std::uint32_t> parts(roots.size(), kNone);
+  std::vector<std::uint32_t> parts(roots.size(), Formation::kNone);
   std::uint32_t count = 0;
   for (std::uint32_t vertex = 0; vertex < roots.size(); ++vertex) {
     if (is_away(vertex)) continue;
@@ -221,13 +220,13 @@ std::vector<std::uint32_t> TrafficSearch::PartsWithout(std::uint32_t one, std::o
 bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal) const {
   struct State {
     std::vector<std::uint32_t> places;
-    std::uint32_t parent = kNone;
+    std::uint32_t parent = Formation::kNone;
     std::vector<RowMove> moves;  // from the parent
     double seconds = 0.0;
   };
   const std::vector<float>& seconds_to = routes_.To(goal);
   if (std::isinf(seconds_to[formation.place(row)])) return false;
-  std::vector<State> states = {{formation.places(), kNone, {}, 0.0}};
+  std::vector<State> states = {{formation.places(), Formation::kNone, {}, 0.0}};
   std::set<std::vector<std::uint32_t>> seen;
   Queue open;
   // The vertex of the robot, and the free vertices of each part without it.
@@ -235,9 +234,9 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
     std::vector<std::uint32_t> key = {there.place(row)};
     const std::vector<std::uint32_t> parts = PartsWithout(there.place(row), {});
     for (std::uint32_t vertex = 0; vertex < parts.size(); ++vertex) {
-      if (parts[vertex] == kNone) continue;
+      if (parts[vertex] == Formation::kNone) continue;
       if (parts[vertex] + 2 > key.size()) key.resize(parts[vertex] + 2, 0);
-      if (there.occupant(vertex) == kNone) ++key[parts[vertex] + 1];
+      if (there.occupant(vertex) == Formation::kNone) ++key[parts[vertex] + 1];
     }
     return key;
   };
@@ -271,7 +270,7 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
       const std::vector<std::uint32_t> parts = PartsWithout(at, exit.to);
       std::set<std::uint32_t> behind;
       for (const TrafficExit& next : graph_.exits(exit.to)) {
-        if (parts[next.to] != kNone) behind.insert(parts[next.to]);
+        if (parts[next.to] != Formation::kNone) behind.insert(parts[next.to]);
       }
       for (const std::uint32_t part : behind) {
         there.UndoTo(0);
@@ -283,8 +282,8 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
           // A robot of the part that can leave it: the one nearest to the next vertex is enough, as chains move.
           bool has_moved = false;
           for (std::uint32_t vertex = 0; vertex < parts.size() && !has_moved; ++vertex) {
-            const std::uint32_t other = parts[vertex] == part ? there.occupant(vertex) : kNone;
-            if (other == kNone || is_fixed_[other]) continue;
+            const std::uint32_t other = parts[vertex] == part ? there.occupant(vertex) : Formation::kNone;
+            if (other == Formation::kNone || is_fixed_[other]) continue;
             has_moved = Push(there, other, row, avoided);
           }
           if (!has_moved) break;

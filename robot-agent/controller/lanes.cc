@@ -45,7 +45,7 @@ constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destinati
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
 // s at rest before a person, who perhaps waits for it: until it moves anywhere, so that the person can pass.
 constexpr double kPersonPatience = 3.0;
-constexpr double kBlockedSeconds = 1.0;  // at a contact, until it asks for another way
+constexpr double kTouchingSeconds = 1.0;  // with a contact, until it asks for another way
 
 class LanesController final : public Controller, public RobotWatcher {
  public:
@@ -103,6 +103,8 @@ class LanesController final : public Controller, public RobotWatcher {
       giving_way_.OnFree(now_->time);
       start_blocked_since_.reset();
       has_said_start_ = false;
+      obstructed_since_.reset();
+      asks_for_way_ = false;
     }
     if (settings_.close_doors) controls_.CloseBehind(legs_, position(), radius_, others_);
     controls_.EndSessions(NeededVertices());
@@ -208,11 +210,17 @@ class LanesController final : public Controller, public RobotWatcher {
   }
 
   void AddTrafficOrder() {
-    const bool holds = !has_arrived_ || target_ == at_;
     const bool is_on_lane = !legs_.empty() && is_on_leg_ && legs_.front().lane;
-    blocked_ticks_ = now_->stalled && is_on_lane ? blocked_ticks_ + 1 : 0;
-    const bool is_blocked = static_cast<double>(blocked_ticks_) * now_->interval > kBlockedSeconds;
-    command_.orders.emplace_back(plan_->OrderFor(at_, is_unreachable_ ? std::nullopt : target_, holds, is_blocked));
+    touching_ticks_ = now_->stalled && is_on_lane ? touching_ticks_ + 1 : 0;
+    const double touching = static_cast<double>(touching_ticks_) * now_->interval;
+    TrafficOrder order = plan_->OrderFor(at_, is_unreachable_ ? std::nullopt : target_);
+    order.holds = !has_arrived_ || target_ == at_;
+    order.is_blocked = touching > kTouchingSeconds || asks_for_way_;
+    if (is_on_lane) {
+      const Vec2 way = WayOf(legs_.front());
+      order.driven = std::max(0.0, (position() - vertex(legs_.front().from).position).dot(way) / way.norm());
+    }
+    command_.orders.emplace_back(order);
   }
 
   // At a vertex without a way to drive.
@@ -485,6 +493,7 @@ class LanesController final : public Controller, public RobotWatcher {
   // Something that is no robot is in the way.
   void Obstruct(const std::string& what, const Leg& leg, double at) {
     is_blocked_ = true;
+    if (plan_ && has_arrived_) return ObstructMove(what, leg);
     if (!leg.lane) return ObstructStart(what);
     if (at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
     const Vec2 way = WayOf(leg);
@@ -497,6 +506,15 @@ class LanesController final : public Controller, public RobotWatcher {
     const bool has_way = end->way.has_value();
     End(*std::move(end), what, leg);
     if (!has_way && tasks_.is_aside()) tasks_.LeaveOut(*now_);
+  }
+
+  // In the planned traffic: after a while the plan leads round it, if there is a way.
+  void ObstructMove(const std::string& what, const Leg& leg) {
+    if (!obstructed_since_) obstructed_since_ = now_->time;
+    if (now_->time - *obstructed_since_ < GivingWay::kObstacleSeconds || asks_for_way_) return;
+    asks_for_way_ = true;
+    command_.report = fmt::format("{} is in the way from {} to {}: asks for another way", what,
+                                  NameOf(*graph_, leg.from), NameOf(*graph_, leg.to));
   }
 
   // Before it is on a lane: another vertex may be free.
@@ -560,10 +578,12 @@ class LanesController final : public Controller, public RobotWatcher {
   std::vector<SeenRobot> others_;
   bool is_blocked_ = false;
 
-  bool waits_for_person_ = false;  // in the last tick
-  std::optional<PlannedWay> plan_;   // nothing: it finds its own way
-  bool has_arrived_ = false;         // at a vertex, since the start
-  std::uint32_t blocked_ticks_ = 0;  // by a contact on the present lane
+  bool waits_for_person_ = false;           // in the last tick
+  std::optional<PlannedWay> plan_;          // nothing: it finds its own way
+  bool has_arrived_ = false;                // at a vertex, since the start
+  std::uint32_t touching_ticks_ = 0;        // with a contact on the present lane
+  std::optional<double> obstructed_since_;  // s, simulated: on a granted move
+  bool asks_for_way_ = false;
 
   bool has_started_ = false;
   std::size_t at_ = 0;                         // the vertex that it was at last

@@ -53,13 +53,9 @@ void PlannedWay::Finish() {
   ++finished_;
 }
 
-TrafficOrder PlannedWay::OrderFor(std::size_t at, std::optional<std::size_t> goal, bool holds, bool is_blocked) const {
+TrafficOrder PlannedWay::OrderFor(std::size_t at, std::optional<std::size_t> goal) const {
   const auto number = [&](std::size_t vertex) { return first_vertex_ + static_cast<std::uint32_t>(vertex); };
-  return {.at = number(at),
-          .goal = goal ? std::optional(number(*goal)) : std::nullopt,
-          .holds = holds,
-          .finished = finished_,
-          .is_blocked = is_blocked};
+  return {.at = number(at), .goal = goal ? std::optional(number(*goal)) : std::nullopt, .finished = finished_};
 }
 
 }  // namespace troupe

@@ -36,8 +36,8 @@ class PlannedWay {
   // The robot is at the end of the first leg.
   void Finish();
 
-  // `at`, `goal`: vertices of its graph.
-  TrafficOrder OrderFor(std::size_t at, std::optional<std::size_t> goal, bool holds, bool is_blocked) const;
+  // With the numbers of all graphs. `at`, `goal`: vertices of its graph.
+  TrafficOrder OrderFor(std::size_t at, std::optional<std::size_t> goal) const;
 
  private:
   RobotId own_;

@@ -61,7 +61,7 @@ WorldDescription Load(const test::TemporaryFolder& folder, const std::string& bu
   folder.Write("s.building.yaml", building);
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   return ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"),
                            overrides))
       .world;

@@ -78,7 +78,7 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   orders.ForEachOfRobots<TrafficOrder>([&](RobotId robot, const TrafficOrder& order) {
     if (takes_part[robot.index()]) return;  // the first one counts
     takes_part[robot.index()] = true;
-    requests.push_back({robot, order.at, order.goal, order.holds, order.finished, order.is_blocked});
+    requests.push_back({robot, order.at, order.goal, order.holds, order.finished, order.driven, order.is_blocked});
     double& radius = radii[GraphOf(world, order.at)];
     radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius + kMargin);
   });

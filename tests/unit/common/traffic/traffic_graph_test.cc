@@ -46,6 +46,23 @@ TEST(TrafficGraphTest, PlacesConflictWithinTheClearance) {
   EXPECT_THAT(ListOf(graph.LanesNearLane(0)), ElementsAre(0, 1));
 }
 
+TEST(TrafficGraphTest, TheRestOfALaneIsClearOfItsStart) {
+  LaneDraft draft;
+  for (int i = 0; i < 3; ++i) draft.Add(4.0 * i, 0.0);
+  draft.Add(12.0, 0.0, "a");
+  draft.Add(0.3, 0.0);
+  for (std::uint32_t i = 0; i < 3; ++i) draft.Join(i, i + 1);
+  draft.Join(0, 4);
+  const TrafficGraph graph = GraphOf({draft.graph});
+  EXPECT_NEAR(graph.leave_distance(1), kClearance, 0.002);
+  EXPECT_THAT(ListOf(graph.LanesNearLane(1)), ElementsAre(0, 1, 2));
+  EXPECT_THAT(ListOf(graph.LanesNearRest(1, 2)), ElementsAre(1, 2));
+  EXPECT_THAT(ListOf(graph.LanesNearRest(1, 1)), ElementsAre(0, 1));
+  EXPECT_THAT(ListOf(graph.GroupsOfRest(2, 3)), ElementsAre(0));
+  EXPECT_THAT(ListOf(graph.GroupsOfRest(2, 2)), ElementsAre());
+  EXPECT_TRUE(std::isinf(graph.leave_distance(3))) << "it is shorter than that";
+}
+
 TEST(TrafficGraphTest, LanesThatCrossConflictAlsoOfDifferentGraphs) {
   LaneDraft one;
   one.Add(0.0, 0.0);

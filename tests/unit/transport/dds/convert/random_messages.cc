@@ -304,7 +304,7 @@ ProposalMessage RandomMessages::Proposal() {
     for (std::size_t i = Below(3); i > 0; --i) orders.push_back(DoorOrder{Below(5), Number()});
     for (std::size_t i = Below(3); i > 0; --i) orders.push_back(LiftOrder{Below(5), Below(5), Coin()});
     for (std::size_t i = Below(2); i > 0; --i) {
-      orders.push_back(TrafficOrder{static_cast<std::uint32_t>(Below(50)), {}, Coin(), 3, Coin()});
+      orders.push_back(TrafficOrder{static_cast<std::uint32_t>(Below(50)), {}, Coin(), 3, Number(), Coin()});
     }
     if (Coin()) message.proposals.back().say = Text();
     robot += 1 + Below(10);
