@@ -68,6 +68,10 @@ class Planner {
       const std::optional<std::uint32_t> row = RowOf(request.robot);
       if (row) Report(*row, request);
     }
+    for (const TrafficRequest& request : requests) {
+      const std::optional<std::uint32_t> row = request.is_blocked ? RowOf(request.robot) : std::nullopt;
+      if (row) TurnBack(plan_.robots[*row]);
+    }
     if (std::erase_if(plan_.closures, [&](const LaneClosure& closure) { return closure.until <= tick_; }) > 0) {
       drops_ = true;
     }
@@ -125,7 +129,6 @@ class Planner {
       robot.since = tick_;
       if (std::any_of(plan_.moves.begin(), plan_.moves.end(), is_own)) drops_ = true;
     }
-    if (request.is_blocked) TurnBack(robot);
   }
 
   // The lane is closed for a while, and the robot goes back to where its present move began, once no other one is
