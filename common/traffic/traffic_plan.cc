@@ -96,15 +96,16 @@ class Planner {
   }
 
   void RemoveAbsent(std::span<const TrafficRequest> requests) {
-    const auto is_absent = [&](RobotId robot) {
-      const auto found = std::lower_bound(requests.begin(), requests.end(), robot,
+    for (TrafficRobot& robot : plan_.robots) {
+      const auto found = std::lower_bound(requests.begin(), requests.end(), robot.robot,
                                           [](const TrafficRequest& a, RobotId b) { return a.robot < b; });
-      return found == requests.end() || found->robot != robot;
-    };
-    const auto removed = std::erase_if(plan_.robots, [&](const TrafficRobot& robot) { return is_absent(robot.robot); });
-    if (removed == 0) return;
+      const bool is_absent = found == requests.end() || found->robot != robot.robot;
+      robot.absent = is_absent ? robot.absent + 1 : 0;
+      robot.holds = robot.holds || is_absent;
+    }
+    if (std::erase_if(plan_.robots, [](const TrafficRobot& robot) { return robot.absent > kMaxAbsent; }) == 0) return;
     drops_ = true;
-    std::erase_if(plan_.moves, [&](const TrafficMove& move) { return is_absent(move.robot); });
+    std::erase_if(plan_.moves, [this](const TrafficMove& move) { return !RowOf(move.robot); });
   }
 
   void Report(std::uint32_t row, const TrafficRequest& request) {

@@ -30,7 +30,8 @@
 
 namespace troupe {
 
-// What a robot reports and wants in a tick. It takes part in the traffic as long as it sends one in each tick.
+// What a robot reports and wants in a tick. Without one a robot stays where it is, in the plan; after kMaxAbsent ticks it
+// takes no part any more.
 struct TrafficRequest {
   RobotId robot;
   std::uint32_t at = 0;  // the vertex of the graph that it is at, until it takes part
@@ -52,6 +53,7 @@ inline constexpr std::size_t kMovesAhead = 1;    // of its own, that a robot pla
 inline constexpr std::size_t kMaxGrants = 4;     // moves of a robot that it may make without another decision
 inline constexpr std::size_t kMaxSearches = 32;  // of a tick, for ways around robots that stay
 inline constexpr Tick kClosedTicks = 600;        // a lane that a body blocks
+inline constexpr Tick kMaxAbsent = 100;
 inline constexpr Tick kAnyWayTicks = 10;         // between searches for a way around others
 
 // The plan of the next tick. `routes`: of the graph. `requests`: ascending, at most one for each robot. `obstructed`:

@@ -22,6 +22,7 @@ struct TrafficRobot {
   bool holds = false;
   std::uint32_t finished = 0;
   bool has_left = false;
+  std::uint32_t absent = 0;
   bool operator==(const TrafficRobot&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -32,6 +33,7 @@ struct TrafficRobot {
         Field{"holds", &TrafficRobot::holds, "it stays where it is"},
         Field{"finished", &TrafficRobot::finished, "moves since it takes part, modulo 2^32"},
         Field{"left", &TrafficRobot::has_left, "it is clear of the start of its present move"},
+        Field{"absent", &TrafficRobot::absent, "since its last order"}.In("tick"),
     };
   }
 };

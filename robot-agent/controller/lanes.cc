@@ -47,6 +47,8 @@ constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
 constexpr double kPersonPatience = 3.0;
 constexpr double kTouchingSeconds = 1.0;  // with a contact, until it asks for another way
 
+constexpr auto kAnyVertex = [](std::size_t) { return true; };
+
 class LanesController final : public Controller, public RobotWatcher {
  public:
   LanesController(const RobotInfo& info, const LaneSettings& settings, const LaneGraph& graph)
@@ -90,6 +92,7 @@ class LanesController final : public Controller, public RobotWatcher {
     tasks_.Update(observation, at_);
     SetTarget();
     if (plan_) {
+      TakePart();
       FollowPlan();
     } else if (legs_.empty() && target_ && *target_ != at_ && !is_unreachable_) {
       PlanTo(*target_);
@@ -136,7 +139,7 @@ class LanesController final : public Controller, public RobotWatcher {
     has_started_ = true;
     if (plan_ && plan_->takes_part()) return GoStraightTo(plan_->at());
     const std::size_t nearest = FindNearestVertex(*graph_, position(), now_->pose_estimate.z, kOnOneLevel)->vertex;
-    GoStraightTo(IsClearTo(nearest) ? nearest : FindClearVertex().value_or(nearest));
+    GoStraightTo(IsClearTo(nearest) ? nearest : FindClearVertex(kAnyVertex).value_or(nearest));
   }
 
   // A leg without a lane.
@@ -154,13 +157,15 @@ class LanesController final : public Controller, public RobotWatcher {
     return length == 0.0 || !FindObstacle(position(), way / length, length - settings_.tolerance, false);
   }
 
-  std::optional<std::size_t> FindClearVertex() const {
+  // The nearest vertex with a clear straight way to it, of those that `may_be` allows.
+  template <typename MayBe>
+  std::optional<std::size_t> FindClearVertex(const MayBe& may_be) const {
     std::optional<std::size_t> clear;
     double least = 0.0;
     for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
       const double distance = (vertex(i).position - position()).norm();
       if (std::fabs(vertex(i).z - now_->pose_estimate.z) >= kLevelGap || (clear && distance >= least)) continue;
-      if (!IsClearTo(i)) continue;
+      if (!may_be(i) || !IsClearTo(i)) continue;
       least = distance;
       clear = i;
     }
@@ -197,6 +202,24 @@ class LanesController final : public Controller, public RobotWatcher {
     if (!target_ || *target_ == at_ || FastestRoute(*graph_, at_, *target_, steer_.speed)) return;
     is_unreachable_ = true;
     command_.report = fmt::format("no lanes lead from {} to {}", NameOf(*graph_, at_), NameOf(*graph_, *target_));
+  }
+
+  // Until it takes part, other robots may be at the vertex at which it would begin. One that has taken part, and does
+  // no more, is somewhere else: it has been moved, or was lost for a while.
+  void TakePart() {
+    if (plan_->takes_part()) {
+      has_said_taken_ = false;
+      return;
+    }
+    if (std::exchange(has_arrived_, false)) Start();
+    if (!plan_->IsTaken(at_)) return;
+    const std::optional<std::size_t> other = FindClearVertex([this](std::size_t i) { return !plan_->IsTaken(i); });
+    if (other) {
+      GoStraightTo(*other);
+    } else if (!std::exchange(has_said_start_, true)) {
+      command_.report =
+          fmt::format("{} is taken, and there is no free way to another vertex: waits", NameOf(*graph_, at_));
+    }
   }
 
   // The granted moves are the legs, once it is at the vertex at which it begins to take part.
@@ -521,7 +544,7 @@ class LanesController final : public Controller, public RobotWatcher {
   void ObstructStart(const std::string& what) {
     if (!start_blocked_since_) start_blocked_since_ = now_->time;
     if (backs_out_ || now_->time - *start_blocked_since_ < GivingWay::kObstacleSeconds) return;
-    const std::optional<std::size_t> other = FindClearVertex();
+    const std::optional<std::size_t> other = FindClearVertex(kAnyVertex);
     if (!other && has_said_start_) return;
     has_said_start_ = !other;
     command_.report = fmt::format("{} is in the way to {}: {}", what, NameOf(*graph_, at_),
@@ -584,6 +607,7 @@ class LanesController final : public Controller, public RobotWatcher {
   std::uint32_t touching_ticks_ = 0;        // with a contact on the present lane
   std::optional<double> obstructed_since_;  // s, simulated: on a granted move
   bool asks_for_way_ = false;
+  bool has_said_taken_ = false;
 
   bool has_started_ = false;
   std::size_t at_ = 0;                         // the vertex that it was at last

@@ -16,11 +16,19 @@ PlannedWay::PlannedWay(RobotId own, const LaneGraph& graph, std::span<const Lane
 
 void PlannedWay::Read(const WorldState& state) {
   moves_.clear();
+  taken_.clear();
   const auto row = std::lower_bound(state.traffic_robots.begin(), state.traffic_robots.end(), own_,
                                     [](const TrafficRobot& a, RobotId b) { return a.robot < b; });
   takes_part_ = row != state.traffic_robots.end() && row->robot == own_;
   const bool is_first = !std::exchange(has_read_, true);
-  if (!takes_part_) return;
+  if (!takes_part_) {
+    for (const TrafficRobot& robot : state.traffic_robots) taken_.push_back(robot.at);
+    for (const TrafficMove& move : state.traffic_moves) {
+      if (move.granted) taken_.push_back(move.to);
+    }
+    std::sort(taken_.begin(), taken_.end());
+    return;
+  }
   if (is_first) finished_ = row->finished;
   at_ = row->at - first_vertex_;
   for (const TrafficMove& move : state.traffic_moves) {
@@ -31,6 +39,10 @@ void PlannedWay::Read(const WorldState& state) {
     at_ = moves_.front().to - first_vertex_;
     moves_.erase(moves_.begin());
   }
+}
+
+bool PlannedWay::IsTaken(std::size_t vertex) const {
+  return std::binary_search(taken_.begin(), taken_.end(), first_vertex_ + static_cast<std::uint32_t>(vertex));
 }
 
 std::vector<Leg> PlannedWay::Legs() const {

@@ -27,6 +27,8 @@ class PlannedWay {
   // are continued.
   void Read(const WorldState& state);
   bool takes_part() const { return takes_part_; }
+  // Another robot is at a vertex of the own graph, or has a granted move to it.
+  bool IsTaken(std::size_t vertex) const;
   // The vertex that the robot was at last. REQUIRES: it takes part.
   std::size_t at() const { return at_; }
 
@@ -48,7 +50,8 @@ class PlannedWay {
   bool takes_part_ = false;
   std::uint32_t finished_ = 0;
   std::uint32_t at_ = 0;
-  std::vector<TrafficMove> moves_;  // granted, and not finished
+  std::vector<TrafficMove> moves_;    // granted, and not finished
+  std::vector<std::uint32_t> taken_;  // vertices of other robots, ascending; only as long as it takes no part
 };
 
 }  // namespace troupe

@@ -125,6 +125,12 @@ void Remove(WorldDescription& world, ModelId root) {
   }
 }
 
+// Of a robot that is where its plan does not have it: it begins anew, at the vertex that is nearest then.
+void LeaveTraffic(WorldState& state, RobotId robot) {
+  std::erase_if(state.traffic_robots, [&](const TrafficRobot& row) { return row.robot == robot; });
+  std::erase_if(state.traffic_moves, [&](const TrafficMove& move) { return move.robot == robot; });
+}
+
 // A removed entity stays where it was last, at rest.
 void RemoveFromState(const Scene& scene, WorldState& state, ModelId root) {
   if (const std::optional<RobotId> robot = scene.robot_of(root)) {
@@ -134,6 +140,7 @@ void RemoveFromState(const Scene& scene, WorldState& state, ModelId root) {
     }
     // A removed robot stands still: its units keep no old velocity, which would be a part of the state's hash.
     KeepVelocities(scene, *robot, state);
+    LeaveTraffic(state, *robot);
     // Radio messages from and to a removed robot are lost.
     std::erase_if(state.transmissions, [&](const RadioTransmission& transmission) {
       return transmission.from == *robot || transmission.message.to == *robot;
@@ -251,6 +258,7 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
     workspace.next.robots[robot->index()].X_WR = pose;
     // A jump is no acceleration for the robot's units.
     KeepVelocities(*scene, *robot, workspace.next);
+    LeaveTraffic(workspace.next, *robot);
   } else if (const std::optional<ObjectId> object = scene->object_of(root.value())) {
     Fall(workspace.next.objects[object->index()]);
     workspace.next.objects[object->index()].X_WO = pose;

@@ -23,23 +23,27 @@ std::size_t GraphOf(const WorldDescription& world, std::uint32_t vertex) {
   return graph;
 }
 
-// An edit may have changed the lanes: a plan with a vertex or a lane that they do not have begins anew.
+// A plan with a vertex or a lane that the lanes do not have begins anew: a state may come from outside.
+bool HasPlaces(const WorldDescription& world, const TrafficPlan& plan) {
+  std::size_t vertices = 0;
+  for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
+  return std::all_of(plan.robots.begin(), plan.robots.end(), [&](const TrafficRobot& robot) {
+    return robot.robot.index() < world.robots.size() && robot.at < vertices && (!robot.goal || *robot.goal < vertices);
+  });
+}
+
 bool Fits(const TrafficGraph& graph, const TrafficPlan& plan) {
-  const auto has_robot = [&](const TrafficRobot& robot) {
-    return robot.at < graph.vertices() && (!robot.goal || *robot.goal < graph.vertices());
-  };
   const auto has_move = [&](const TrafficMove& move) {
     return move.lane < graph.lanes() && (move.to == graph.start(move.lane) || move.to == graph.end(move.lane)) &&
            std::any_of(plan.robots.begin(), plan.robots.end(),
                        [&](const TrafficRobot& robot) { return robot.robot == move.robot; });
   };
   const auto has_lane = [&](const LaneClosure& closure) { return closure.lane < graph.lanes(); };
-  return std::all_of(plan.robots.begin(), plan.robots.end(), has_robot) &&
-         std::all_of(plan.moves.begin(), plan.moves.end(), has_move) &&
+  return std::all_of(plan.moves.begin(), plan.moves.end(), has_move) &&
          std::all_of(plan.closures.begin(), plan.closures.end(), has_lane);
 }
 
-// The lanes within reach of robots that take no part, for instance of one without an agent.
+// The lanes within reach of robots that take no part, or not yet.
 std::vector<bool> FindObstructed(const StepWorkspace& workspace, const TrafficGraph& graph,
                                  std::span<const double> radii, const std::vector<bool>& takes_part) {
   const WorldDescription& world = workspace.world();
@@ -72,24 +76,26 @@ std::vector<bool> FindObstructed(const StepWorkspace& workspace, const TrafficGr
 void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   const WorldDescription& world = workspace.world();
   WorldState& state = workspace.next;
-  std::vector<TrafficRequest> requests;
+  TrafficPlan plan{std::move(state.traffic_robots), std::move(state.traffic_moves), std::move(state.lane_closures)};
   std::vector<bool> takes_part(world.robots.size(), false);
   std::vector<double> radii(world.lane_graphs.size(), 0.0);
-  orders.ForEachOfRobots<TrafficOrder>([&](RobotId robot, const TrafficOrder& order) {
-    if (takes_part[robot.index()]) return;  // the first one counts
-    takes_part[robot.index()] = true;
-    requests.push_back({robot, order.at, order.goal, order.holds, order.finished, order.driven, order.is_blocked});
-    double& radius = radii[GraphOf(world, order.at)];
+  const auto add_radius = [&](RobotId robot, std::uint32_t vertex) {
+    double& radius = radii[GraphOf(world, vertex)];
     radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius + kMargin);
+  };
+  std::vector<TrafficRequest> requests;
+  orders.ForEachOfRobots<TrafficOrder>([&](RobotId robot, const TrafficOrder& order) {
+    if (!requests.empty() && requests.back().robot == robot) return;  // the first one counts
+    requests.push_back({robot, order.at, order.goal, order.holds, order.finished, order.driven, order.is_blocked});
+    add_radius(robot, order.at);
   });
-  if (requests.empty()) {
-    state.traffic_robots.clear();
-    state.traffic_moves.clear();
-    state.lane_closures.clear();
-    return;
+  if (requests.empty() && plan.robots.empty()) return;
+  if (!HasPlaces(world, plan)) plan = {};
+  for (const TrafficRobot& robot : plan.robots) {
+    takes_part[robot.robot.index()] = true;
+    add_radius(robot.robot, robot.at);
   }
   const std::shared_ptr<TrafficRoutes> routes = workspace.scene.TrafficRoutesFor(radii);
-  TrafficPlan plan{std::move(state.traffic_robots), std::move(state.traffic_moves), std::move(state.lane_closures)};
   if (!Fits(routes->graph(), plan)) plan = {};
   PlanTraffic(*routes, requests, FindObstructed(workspace, routes->graph(), radii, takes_part), state.tick, plan);
   state.traffic_robots = std::move(plan.robots);

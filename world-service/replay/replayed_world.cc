@@ -136,9 +136,9 @@ class ValueText {
   std::string operator()(const std::vector<std::uint8_t>& bytes) const {
     return std::to_string(bytes.size()) + " bytes";
   }
-  template <typename Tag>
-  std::string operator()(const std::optional<Id<Tag>>& id) const {
-    return id ? (*this)(*id) : "none";
+  template <typename Value>
+  std::string operator()(const std::optional<Value>& value) const {
+    return value ? (*this)(*value) : "none";
   }
   std::string operator()(ModelId model) const { return NameOf(world_.models, model.index()); }
   std::string operator()(RobotId robot) const { return NameOf(world_.robots, robot.index()); }

@@ -177,6 +177,9 @@ template <typename Tag>
 void Change(std::optional<Id<Tag>>& id) {
   id = Id<Tag>(0);
 }
+void Change(std::optional<std::uint32_t>& number) {
+  number = 0;
+}
 
 TEST(StateHash, ChangesWithEveryFieldOfEveryRow) {
   WorldState state;
