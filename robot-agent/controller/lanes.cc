@@ -216,7 +216,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const std::optional<std::size_t> other = FindClearVertex([this](std::size_t i) { return !plan_->IsTaken(i); });
     if (other) {
       GoStraightTo(*other);
-    } else if (!std::exchange(has_said_start_, true)) {
+    } else if (!std::exchange(has_said_taken_, true)) {
       command_.report =
           fmt::format("{} is taken, and there is no free way to another vertex: waits", NameOf(*graph_, at_));
     }
