@@ -59,6 +59,37 @@ void AddOfStores(StateTable& table) {
                   });
 }
 
+const TrafficRobot* TrafficOf(const SignalView& view, std::size_t robot) {
+  const std::vector<TrafficRobot>& rows = view.state.traffic_robots;
+  const auto row = std::lower_bound(rows.begin(), rows.end(), RobotId(robot),
+                                    [](const TrafficRobot& a, RobotId b) { return a.robot < b; });
+  return row != rows.end() && row->robot == RobotId(robot) ? &*row : nullptr;
+}
+
+void AddOfTraffic(StateTable& table) {
+  table.AddNumber("waiting", "s", "since it stands on its way in the planned traffic of lanes",
+                  [](const SignalView& view, std::size_t row) {
+                    const TrafficRobot* const robot = TrafficOf(view, row);
+                    return robot ? static_cast<double>(robot->waiting) * view.world.interval_seconds() : kNoNumber;
+                  });
+  table.AddNumber("arrivals", "", "goals that it has reached in the planned traffic of lanes",
+                  [](const SignalView& view, std::size_t row) {
+                    const TrafficRobot* const robot = TrafficOf(view, row);
+                    return robot ? static_cast<double>(robot->arrivals) : kNoNumber;
+                  });
+  Signal waits_for{
+      "waits_for", "", "the robot after which it goes on in the planned traffic of lanes", ValueType::kText, {}};
+  waits_for.number = [](const SignalView& view, std::size_t row) {
+    const TrafficRobot* const robot = TrafficOf(view, row);
+    return robot && robot->waits_for ? static_cast<double>(robot->waits_for->index()) : kNoNumber;
+  };
+  waits_for.text = [](const SignalView& view, std::size_t row) {
+    const TrafficRobot* const robot = TrafficOf(view, row);
+    return robot && robot->waits_for ? view.world.robot(*robot->waits_for).name : std::string();
+  };
+  table.Add(std::move(waits_for));
+}
+
 void AddOfRobots(StateTable& table) {
   table.AddNumber("speed", "m/s", "over the ground during the tick that ended, never negative",
                   [](const SignalView& view, std::size_t row) {
@@ -69,6 +100,7 @@ void AddOfRobots(StateTable& table) {
   table.AddNumber("energy", "J", "in its stores of energy that can become empty",
                   [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::joules); });
   table.AddNumber("capacity", "J", "the most that its stores can have", Capacity);
+  AddOfTraffic(table);
   table.AddNumber(
       "charging", "W", "power that its stores have received during the tick that ended",
       [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::charge_watts); });

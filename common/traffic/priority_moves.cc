@@ -1,13 +1,13 @@
 #include "common/traffic/priority_moves.h"
 
 #include <algorithm>
-#include <optional>
 #include <tuple>
 
 namespace troupe {
 
 bool PriorityMoves::Advance(std::uint32_t row, std::uint32_t goal, std::size_t most) {
   const std::size_t begun = formation_.moves().size();
+  blocker_.reset();
   std::size_t open = begun;  // moves, with which the robot is at a vertex at which it may wait
   for (std::size_t own = 0; own < most || open != formation_.moves().size(); ++own) {
     if (formation_.place(row) == goal) break;
@@ -67,6 +67,7 @@ bool PriorityMoves::Clear(std::uint32_t row, const TrafficExit& exit, std::size_
       if (!blocker || other < *blocker) blocker = other;
     });
     if (!blocker) return true;
+    if (!blocker_) blocker_ = blocker;
     const State& state = states_[*blocker];
     // A robot that has moved has moved out of the way, or is in it for another reason.
     if (!robots_[*blocker].can_move || state.is_asked || state.moves > 0 || state.failed_in == call_ ||

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,8 @@ class PriorityMoves {
   // own, or more up to a vertex at which it may wait. A robot that has moved cannot be moved by others. False: there is
   // no such lane now, and the formation is as before.
   bool Advance(std::uint32_t row, std::uint32_t goal, std::size_t most);
+  // After Advance without a lane: the row of a robot in the way of the best one; nothing: no robot is.
+  std::optional<std::uint32_t> blocker() const { return blocker_; }
 
  private:
   struct State {
@@ -55,6 +58,7 @@ class PriorityMoves {
   std::vector<State> states_;        // by row
   std::vector<std::uint32_t> ways_;  // lanes of the robots that have been asked, and wait for room
   std::size_t call_ = 0;
+  std::optional<std::uint32_t> blocker_;
 };
 
 }  // namespace troupe

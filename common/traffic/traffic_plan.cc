@@ -14,42 +14,53 @@ constexpr std::uint32_t kNone = Formation::kNone;
 constexpr double kPushSeconds = 10.0;    // of the route past a robot that has to make room
 constexpr std::size_t kMaxPending = 64;  // moves of a robot that others push
 
-// Lanes and groups that earlier moves of the plan need: of one robot, or of several.
+// Lanes and groups that earlier moves of the plan need.
 class Claims {
  public:
   explicit Claims(const TrafficGraph& graph)
-      : graph_(graph),
-        of_lanes_(graph.lanes(), kNone),
-        near_lanes_(graph.lanes(), kNone),
-        of_groups_(graph.groups(), kNone) {}
+      : graph_(graph), of_lanes_(graph.lanes()), near_lanes_(graph.lanes()), of_groups_(graph.groups()) {}
 
-  bool AreOfOthers(std::uint32_t row, std::uint32_t lane) const {
-    const auto is_other = [&](std::uint32_t owner) { return owner != kNone && owner != row; };
-    const auto lanes = graph_.LanesNearLane(lane);
-    const auto groups = graph_.GroupsOfLane(lane);
-    return is_other(near_lanes_[lane]) ||
-           std::any_of(lanes.begin(), lanes.end(), [&](std::uint32_t near) { return is_other(of_lanes_[near]); }) ||
-           std::any_of(groups.begin(), groups.end(), [&](std::uint32_t group) { return is_other(of_groups_[group]); });
+  // The row of another robot that needs what a move along a lane needs.
+  std::optional<std::uint32_t> FindOther(std::uint32_t row, std::uint32_t lane) const {
+    if (const auto other = near_lanes_[lane].Except(row)) return other;
+    for (const std::uint32_t near : graph_.LanesNearLane(lane)) {
+      if (const auto other = of_lanes_[near].Except(row)) return other;
+    }
+    for (const std::uint32_t group : graph_.GroupsOfLane(lane)) {
+      if (const auto other = of_groups_[group].Except(row)) return other;
+    }
+    return std::nullopt;
   }
 
   void Add(std::uint32_t row, std::uint32_t lane) {
-    Mark(row, of_lanes_[lane]);
-    for (const std::uint32_t group : graph_.GroupsOfLane(lane)) Mark(row, of_groups_[group]);
+    of_lanes_[lane].Add(row);
+    for (const std::uint32_t group : graph_.GroupsOfLane(lane)) of_groups_[group].Add(row);
   }
   // Of a move whose start the robot has left.
   void AddRest(std::uint32_t row, std::uint32_t lane, std::uint32_t to) {
-    for (const std::uint32_t near : graph_.LanesNearRest(lane, to)) Mark(row, near_lanes_[near]);
-    for (const std::uint32_t group : graph_.GroupsOfRest(lane, to)) Mark(row, of_groups_[group]);
+    for (const std::uint32_t near : graph_.LanesNearRest(lane, to)) near_lanes_[near].Add(row);
+    for (const std::uint32_t group : graph_.GroupsOfRest(lane, to)) of_groups_[group].Add(row);
   }
 
  private:
-  static constexpr std::uint32_t kSeveral = kNone - 1;
-  static void Mark(std::uint32_t row, std::uint32_t& owner) { owner = owner == kNone || owner == row ? row : kSeveral; }
+  // The first two rows are enough to tell whether there is another one than any row.
+  struct Owners {
+    std::uint32_t first = kNone;
+    std::uint32_t second = kNone;
+    void Add(std::uint32_t row) {
+      if (first == kNone) first = row;
+      if (second == kNone && first != row) second = row;
+    }
+    std::optional<std::uint32_t> Except(std::uint32_t row) const {
+      const std::uint32_t other = first == row ? second : first;
+      return other == kNone ? std::nullopt : std::optional(other);
+    }
+  };
 
   const TrafficGraph& graph_;
-  std::vector<std::uint32_t> of_lanes_;    // by lane: a move along it
-  std::vector<std::uint32_t> near_lanes_;  // by lane: the rest of a move near it
-  std::vector<std::uint32_t> of_groups_;
+  std::vector<Owners> of_lanes_;    // by lane: a move along it
+  std::vector<Owners> near_lanes_;  // by lane: the rest of a move near it
+  std::vector<Owners> of_groups_;
 };
 
 class Planner {
@@ -83,6 +94,7 @@ class Planner {
     for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = true;
     routes_.Begin(closed_);
     for (std::size_t lane = 0; lane < closed_.size(); ++lane) closed_[lane] = closed_[lane] || obstructed_[lane];
+    CountArrivals();
     ExtendPlan();
     Grant();
   }
@@ -128,7 +140,16 @@ class Planner {
     if (robot.goal != request.goal) {
       robot.goal = request.goal;
       robot.since = tick_;
+      robot.has_arrived = false;
       if (std::any_of(plan_.moves.begin(), plan_.moves.end(), is_own)) drops_ = true;
+    }
+  }
+
+  void CountArrivals() {
+    for (TrafficRobot& robot : plan_.robots) {
+      if (robot.goal != robot.at || robot.has_arrived) continue;
+      robot.has_arrived = true;
+      ++robot.arrivals;
     }
   }
 
@@ -231,6 +252,7 @@ class Planner {
       robots[row].can_move = pending_[row] == 0 && !IsFixed(formation, row);
     }
     PriorityMoves moves(graph_, closed_, formation, robots);
+    waits_for_.resize(plan_.robots.size());
     std::size_t searches = 0;
     // Searches take turns, so that each robot has one once in a while.
     const std::size_t first_search = order.empty() ? 0 : tick_ * kMaxSearches % order.size();
@@ -240,6 +262,7 @@ class Planner {
       const std::size_t begun = formation.moves().size();
       const std::uint32_t goal = *plan_.robots[row].goal;
       if (!moves.Advance(row, goal, kMovesAhead)) {
+        waits_for_[row] = moves.blocker();
         const bool has_turn = (i + order.size() - first_search) % order.size() < kMaxSearches;
         if (i == 0 || (has_turn && searches++ < kMaxSearches)) FindWay(formation, row, i == 0, robots);
       }
@@ -278,24 +301,34 @@ class Planner {
     Claims claims(graph_);
     std::vector<std::size_t> granted(plan_.robots.size(), 0);
     std::vector<bool> waits(plan_.robots.size(), false);
-    std::vector<char> has_move(plan_.robots.size(), 0);
     for (TrafficMove& move : plan_.moves) {
       const std::uint32_t row = *RowOf(move.robot);
+      // The present move of a robot is its first one in the plan.
+      const bool is_present = granted[row] == 0 && !waits[row];
       if (!move.granted && !waits[row] && granted[row] < kMaxGrants && !obstructed_[move.lane]) {
-        move.granted = !claims.AreOfOthers(row, move.lane);
+        const std::optional<std::uint32_t> other = claims.FindOther(row, move.lane);
+        move.granted = !other;
+        if (is_present && other) waits_for_[row] = other;
       }
       if (move.granted) {
         ++granted[row];
       } else {
         waits[row] = true;
       }
-      // The present move of a robot is its first one in the plan.
-      if (!std::exchange(has_move[row], 1) && plan_.robots[row].has_left) {
+      if (is_present && plan_.robots[row].has_left) {
         claims.AddRest(row, move.lane, move.to);
       } else {
         claims.Add(row, move.lane);
       }
     }
+    for (std::uint32_t row = 0; row < plan_.robots.size(); ++row) CountWait(plan_.robots[row], row, granted[row] > 0);
+  }
+
+  void CountWait(TrafficRobot& robot, std::uint32_t row, bool is_on_way) const {
+    const bool waits = robot.goal && !robot.holds && !is_on_way && robot.at != *robot.goal;
+    robot.waiting = waits ? robot.waiting + 1 : 0;
+    robot.waits_for.reset();
+    if (waits && waits_for_[row]) robot.waits_for = plan_.robots[*waits_for_[row]].robot;
   }
 
   TrafficRoutes& routes_;
@@ -304,8 +337,9 @@ class Planner {
   Tick tick_;
   TrafficPlan& plan_;
   std::vector<bool> closed_;
-  std::vector<std::size_t> pending_;  // moves, by row
-  bool drops_ = false;                // the moves that are not granted
+  std::vector<std::size_t> pending_;                          // moves, by row
+  std::vector<std::optional<std::uint32_t>> waits_for_ = {};  // by row
+  bool drops_ = false;                                        // the moves that are not granted
 };
 
 }  // namespace

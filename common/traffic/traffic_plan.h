@@ -11,8 +11,8 @@
 // Each tick plans the next lane of each robot that has none left (priority_moves.h), in the order of the ages of the
 // goals: it comes nearer to its goal, and robots with younger goals, or without one, make room. The one with the oldest
 // goal of all has all others make room; where lanes do not let them, a search over their places (traffic_search.h)
-// plans its whole way. So each robot becomes the one with the oldest goal, and arrives, if the graph has room for it. If it
-// has not, the goal counts as new, so that others go on, and perhaps make room.
+// plans its whole way. So each robot becomes the one with the oldest goal, and arrives, if the graph has room for it.
+// If it has not, the goal counts as new, so that others go on, and perhaps make room.
 //
 // A pure function of its arguments: the plan is a part of the state of the world, and depends on no clock, no packing
 // and no earlier call. Memory: some moves for each robot, and one whole way. Cost of a tick: linear in the robots, and
@@ -30,8 +30,8 @@
 
 namespace troupe {
 
-// What a robot reports and wants in a tick. Without one a robot stays where it is, in the plan; after kMaxAbsent ticks it
-// takes no part any more.
+// What a robot reports and wants in a tick. Without one a robot stays where it is, in the plan; after kMaxAbsent ticks
+// it takes no part any more.
 struct TrafficRequest {
   RobotId robot;
   std::uint32_t at = 0;  // the vertex of the graph that it is at, until it takes part
@@ -54,7 +54,7 @@ inline constexpr std::size_t kMaxGrants = 4;     // moves of a robot that it may
 inline constexpr std::size_t kMaxSearches = 32;  // of a tick, for ways around robots that stay
 inline constexpr Tick kClosedTicks = 600;        // a lane that a body blocks
 inline constexpr Tick kMaxAbsent = 100;
-inline constexpr Tick kAnyWayTicks = 10;         // between searches for a way around others
+inline constexpr Tick kAnyWayTicks = 10;  // between searches for a way around others
 
 // The plan of the next tick. `routes`: of the graph. `requests`: ascending, at most one for each robot. `obstructed`:
 // lanes that bodies outside of the traffic are on, by lane; no move begins there. A robot takes part once its vertex is

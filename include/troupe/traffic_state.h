@@ -23,6 +23,10 @@ struct TrafficRobot {
   std::uint32_t finished = 0;
   bool has_left = false;
   std::uint32_t absent = 0;
+  std::uint32_t waiting = 0;
+  std::optional<RobotId> waits_for = {};
+  bool has_arrived = false;
+  std::uint32_t arrivals = 0;
   bool operator==(const TrafficRobot&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -34,6 +38,10 @@ struct TrafficRobot {
         Field{"finished", &TrafficRobot::finished, "moves since it takes part, modulo 2^32"},
         Field{"left", &TrafficRobot::has_left, "it is clear of the start of its present move"},
         Field{"absent", &TrafficRobot::absent, "since its last order"}.In("tick"),
+        Field{"waiting", &TrafficRobot::waiting, "since it stands on its way to its goal"}.In("tick"),
+        Field{"waits_for", &TrafficRobot::waits_for, "the robot after which it goes on; none: another thing"},
+        Field{"arrived", &TrafficRobot::has_arrived, "it is at its goal, or was"},
+        Field{"arrivals", &TrafficRobot::arrivals, "goals that it has reached since it takes part"},
     };
   }
 };

@@ -287,10 +287,41 @@ TEST(TrafficPlanTest, ARobotStartsToTakePartWhereNoOtherIs) {
   ASSERT_EQ(plan.robots.size(), 2u);
   EXPECT_EQ(plan.robots[0].at, 0u);
   EXPECT_EQ(plan.robots[1].at, 1u);
-  // Without a request it takes no part any more.
-  PlanTraffic(routes, std::span(requests).first(1), obstructed, 4, plan);
+  EXPECT_EQ(plan.robots[0].arrivals, 1u);
+  EXPECT_EQ(plan.robots[1].arrivals, 0u);
+  // Without requests it stays in the way of others for a while.
+  for (Tick tick = 4; tick < 4 + kMaxAbsent; ++tick) {
+    PlanTraffic(routes, std::span(requests).first(1), obstructed, tick, plan);
+    ASSERT_EQ(plan.robots.size(), 2u);
+    EXPECT_TRUE(plan.robots[1].holds);
+  }
+  PlanTraffic(routes, std::span(requests).first(1), obstructed, 4 + kMaxAbsent, plan);
   EXPECT_EQ(plan.robots.size(), 1u);
   EXPECT_TRUE(plan.moves.empty());
+}
+
+TEST(TrafficPlanTest, ARobotThatWaitsNamesTheOther) {
+  LaneDraft draft;
+  for (int i = 0; i < 4; ++i) draft.Add(5.0 * i, 0.0);
+  for (std::uint32_t i = 0; i < 3; ++i) draft.Join(i, i + 1);
+  TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({draft.graph})));
+  const std::vector<bool> obstructed(3, false);
+  TrafficPlan plan;
+  std::vector<TrafficRequest> requests = {{.robot = RobotId(2), .at = 1, .goal = 3},
+                                          {.robot = RobotId(5), .at = 0, .goal = 2}};
+  for (Tick tick = 1; tick < 6; ++tick) PlanTraffic(routes, requests, obstructed, tick, plan);
+  EXPECT_EQ(plan.robots[0].waiting, 0u);
+  EXPECT_EQ(plan.robots[0].waits_for, std::nullopt);
+  EXPECT_EQ(plan.robots[1].waiting, 5u);
+  EXPECT_EQ(plan.robots[1].waits_for, RobotId(2));
+  requests[0].driven = 2.0;
+  PlanTraffic(routes, requests, obstructed, 6, plan);
+  EXPECT_EQ(plan.robots[1].waiting, 0u);
+  // A robot that stays on the way, and one that goes the other way.
+  requests[0] = {.robot = RobotId(2), .at = 2, .holds = true, .finished = 1};
+  requests[1].finished = 1;
+  for (Tick tick = 7; tick < 10; ++tick) PlanTraffic(routes, requests, obstructed, tick, plan);
+  EXPECT_EQ(plan.robots[1].waits_for, RobotId(2));
 }
 
 }  // namespace
