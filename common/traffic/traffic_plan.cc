@@ -11,8 +11,9 @@ namespace troupe {
 namespace {
 
 constexpr std::uint32_t kNone = Formation::kNone;
-constexpr double kPushSeconds = 10.0;    // of the route past a robot that has to make room
-constexpr std::size_t kMaxPending = 64;  // moves of a robot that others push
+constexpr double kPushSeconds = 10.0;     // of the route past a robot that has to make room
+constexpr std::ptrdiff_t kMaxPushed = 4;  // moves of a robot with another goal that are made all the same
+constexpr std::size_t kMaxPending = 64;   // moves of a robot that others push
 
 // Lanes and groups that earlier moves of the plan need.
 class Claims {
@@ -83,15 +84,12 @@ class Planner {
       const std::optional<std::uint32_t> row = request.is_blocked ? RowOf(request.robot) : std::nullopt;
       if (row) TurnBack(plan_.robots[*row]);
     }
-    if (std::erase_if(plan_.closures, [&](const LaneClosure& closure) { return closure.until <= tick_; }) > 0) {
-      drops_ = true;
-    }
     for (const TrafficRequest& request : requests) {
       if (!RowOf(request.robot)) Admit(request);
     }
     for (const TrafficMove& move : plan_.moves) drops_ = drops_ || (!move.granted && obstructed_[move.lane]);
     if (drops_) std::erase_if(plan_.moves, [](const TrafficMove& move) { return !move.granted; });
-    for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = true;
+    for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = closure.until > tick_;
     routes_.Begin(closed_);
     for (std::size_t lane = 0; lane < closed_.size(); ++lane) closed_[lane] = closed_[lane] || obstructed_[lane];
     CountArrivals();
@@ -126,6 +124,9 @@ class Planner {
     while (robot.finished != request.finished) {
       const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
       if (front == plan_.moves.end() || !front->granted) break;  // a report of a move that it does not have
+      const auto closure = FindClosure(front->lane);
+      const bool has_passed = front->to != robot.at;
+      if (has_passed && closure != plan_.closures.end() && closure->lane == front->lane) plan_.closures.erase(closure);
       robot.at = front->to;
       robot.has_left = false;
       ++robot.finished;
@@ -141,7 +142,8 @@ class Planner {
       robot.goal = request.goal;
       robot.since = tick_;
       robot.has_arrived = false;
-      if (std::any_of(plan_.moves.begin(), plan_.moves.end(), is_own)) drops_ = true;
+      // Some moves to make room are soon done; a whole way is not.
+      if (std::count_if(plan_.moves.begin(), plan_.moves.end(), is_own) > kMaxPushed) drops_ = true;
     }
   }
 
@@ -159,19 +161,32 @@ class Planner {
     const auto is_own = [&](const TrafficMove& move) { return move.robot == robot.robot; };
     const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
     if (front == plan_.moves.end() || !front->granted || front->to == robot.at) return;
+    Close(front->lane);
+    if (robot.has_left && !IsStartFree(robot, front->lane)) return;
     drops_ = true;
-    const LaneClosure closure{front->lane, tick_ + kClosedTicks};
-    const auto place = std::lower_bound(plan_.closures.begin(), plan_.closures.end(), closure,
-                                        [](const LaneClosure& a, const LaneClosure& b) { return a.lane < b.lane; });
-    if (place != plan_.closures.end() && place->lane == closure.lane) {
+    front->to = robot.at;
+    robot.has_left = false;
+    plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
+  }
+
+  void Close(std::uint32_t lane) {
+    const auto place = FindClosure(lane);
+    const bool is_known = place != plan_.closures.end() && place->lane == lane;
+    if (is_known && place->until > tick_) return;
+    drops_ = true;
+    const std::uint32_t ticks = is_known ? std::min(2 * place->ticks, kMaxClosedTicks) : kClosedTicks;
+    const LaneClosure closure{lane, tick_ + ticks, ticks};
+    if (is_known) {
       *place = closure;
     } else {
       plan_.closures.insert(place, closure);
     }
-    if (robot.has_left && !IsStartFree(robot, front->lane)) return;
-    front->to = robot.at;
-    robot.has_left = false;
-    plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
+  }
+
+  // The first one that is not of a lane before it.
+  std::vector<LaneClosure>::iterator FindClosure(std::uint32_t lane) {
+    return std::lower_bound(plan_.closures.begin(), plan_.closures.end(), lane,
+                            [](const LaneClosure& closure, std::uint32_t other) { return closure.lane < other; });
   }
 
   // Of a robot on a lane that it has left the start of.

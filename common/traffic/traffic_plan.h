@@ -49,10 +49,11 @@ struct TrafficPlan {
   bool operator==(const TrafficPlan&) const = default;
 };
 
-inline constexpr std::size_t kMovesAhead = 1;    // of its own, that a robot plans at a time
-inline constexpr std::size_t kMaxGrants = 4;     // moves of a robot that it may make without another decision
-inline constexpr std::size_t kMaxSearches = 32;  // of a tick, for ways around robots that stay
-inline constexpr Tick kClosedTicks = 600;        // a lane that a body blocks
+inline constexpr std::size_t kMovesAhead = 1;       // of its own, that a robot plans at a time
+inline constexpr std::size_t kMaxGrants = 4;        // moves of a robot that it may make without another decision
+inline constexpr std::size_t kMaxSearches = 32;     // of a tick, for ways around robots that stay
+inline constexpr std::uint32_t kClosedTicks = 600;  // a lane that a body blocks, for the first time
+inline constexpr std::uint32_t kMaxClosedTicks = 36'000;
 inline constexpr Tick kMaxAbsent = 100;
 inline constexpr Tick kAnyWayTicks = 10;  // between searches for a way around others
 

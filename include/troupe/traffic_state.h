@@ -63,15 +63,18 @@ struct TrafficMove {
   }
 };
 
-// A lane that no plan uses for a time, because a body that takes no part was in the way.
+// A lane on which a body that takes no part was in the way. No plan uses it for a time, which doubles until a robot has
+// passed it.
 struct LaneClosure {
   std::uint32_t lane = 0;
   Tick until = 0;
+  std::uint32_t ticks = 0;
   bool operator==(const LaneClosure&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
         Field{"lane", &LaneClosure::lane},
-        Field{"until", &LaneClosure::until}.In("tick"),
+        Field{"until", &LaneClosure::until, "it opens then"}.In("tick"),
+        Field{"ticks", &LaneClosure::ticks, "that it was closed for the last time"}.In("tick"),
     };
   }
 };

@@ -224,7 +224,7 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackAndGoesRound) {
   PlanTraffic(routes, std::span(&request, 1), obstructed, 2, plan);
   request.is_blocked = false;
   request.driven = 0.0;
-  EXPECT_EQ(plan.closures, (std::vector<LaneClosure>{{0, 2 + kClosedTicks}}));
+  EXPECT_EQ(plan.closures, (std::vector<LaneClosure>{{0, 2 + kClosedTicks, kClosedTicks}}));
   for (const std::uint32_t end : {0u, 2u, 3u, 1u}) {
     ASSERT_EQ(plan.moves.size(), 1u);
     EXPECT_EQ(plan.moves[0].to, end);
@@ -233,8 +233,21 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackAndGoesRound) {
     PlanTraffic(routes, std::span(&request, 1), obstructed, 3, plan);
   }
   EXPECT_TRUE(plan.moves.empty());
-  // The lane opens again.
+  // The lane opens again, and is closed for twice as long if the body is still there; a robot that has passed it ends
+  // that.
+  request.goal = 0;
   PlanTraffic(routes, std::span(&request, 1), obstructed, 2 + kClosedTicks, plan);
+  ASSERT_EQ(plan.moves.size(), 1u);
+  EXPECT_EQ(plan.moves[0].lane, 0u);
+  request.is_blocked = true;
+  PlanTraffic(routes, std::span(&request, 1), obstructed, 1000, plan);
+  EXPECT_EQ(plan.closures, (std::vector<LaneClosure>{{0, 1000 + 2 * kClosedTicks, 2 * kClosedTicks}}));
+  request.is_blocked = false;
+  ++request.finished;
+  PlanTraffic(routes, std::span(&request, 1), obstructed, 3000, plan);
+  ++request.finished;
+  PlanTraffic(routes, std::span(&request, 1), obstructed, 3001, plan);
+  EXPECT_EQ(plan.robots[0].at, 0u);
   EXPECT_TRUE(plan.closures.empty());
 }
 
