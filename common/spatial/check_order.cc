@@ -64,11 +64,12 @@ class OrderCheck {
   // The vertices are of one graph.
   Status operator()(const TrafficOrder& order) const {
     if (!robot_) return NeedsRobot("traffic");
+    if (!std::isfinite(order.driven)) return BadInput("found traffic without a number of metres");
     std::size_t first = 0;
     for (const LaneGraph& graph : world_.lane_graphs) {
       const std::size_t end = first + graph.vertices.size();
-      if (order.at >= first && order.at < end && (!order.goal || (*order.goal >= first && *order.goal < end)))
-        return {};
+      const auto is_of_graph = [&](std::uint32_t vertex) { return vertex >= first && vertex < end; };
+      if (is_of_graph(order.at) && (!order.goal || is_of_graph(*order.goal))) return {};
       first = end;
     }
     return BadInput("found traffic at vertex " + std::to_string(order.at) +

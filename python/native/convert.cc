@@ -239,15 +239,22 @@ void ForEach(py::handle rows, const char* what, Add&& add) {
 
 Order ToOrder(py::handle row) {
   const auto is = [row](const char* record) { return py::isinstance(row, Record(record)); };
-  if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder")) {
-    throw py::type_error(
-        fmt::format("orders: found {}, expected LightOrder, CameraOrder, DoorOrder or LiftOrder", TypeName(row)));
+  if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder") && !is("TrafficOrder")) {
+    throw py::type_error(fmt::format(
+        "orders: found {}, expected LightOrder, CameraOrder, DoorOrder, LiftOrder or TrafficOrder", TypeName(row)));
   }
   const auto m = py::reinterpret_borrow<py::tuple>(row);
   if (is("LightOrder")) return LightOrder{ToIndex(m[0], "light"), ToBool(m[1], "on")};
   if (is("CameraOrder")) return CameraOrder{ToIndex(m[0], "sensor"), ToNumber(m[1], "pan"), ToNumber(m[2], "tilt")};
   if (is("DoorOrder")) return DoorOrder{ToIndex(m[0], "door"), ToNumber(m[1], "opening")};
-  return LiftOrder{ToIndex(m[0], "lift"), ToIndex(m[1], "floor"), ToBool(m[2], "ends")};
+  if (is("LiftOrder")) return LiftOrder{ToIndex(m[0], "lift"), ToIndex(m[1], "floor"), ToBool(m[2], "ends")};
+  const auto number = [&](std::size_t i, const char* name) { return static_cast<std::uint32_t>(ToIndex(m[i], name)); };
+  return TrafficOrder{.at = number(0, "at"),
+                      .goal = m[1].is_none() ? std::nullopt : std::optional(number(1, "goal")),
+                      .holds = ToBool(m[2], "holds"),
+                      .finished = number(3, "finished"),
+                      .driven = ToNumber(m[4], "driven"),
+                      .is_blocked = ToBool(m[5], "blocked")};
 }
 
 Command FromRecord(const py::tuple& record) {

@@ -17,7 +17,7 @@ __all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "Gr
            "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "CameraReading", "Place",
            "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
            "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightOrder", "CameraOrder", "DoorOrder",
-           "LiftInfo", "LiftReading", "LiftOrder", "Command"]
+           "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "Command"]
 
 
 class Pose(NamedTuple):
@@ -416,6 +416,17 @@ class LiftOrder(NamedTuple):
     ends: bool = False  # ends the session, without a call
 
 
+class TrafficOrder(NamedTuple):
+    """Takes part in the planned traffic of lanes, in each tick in which it does. Vertices are counted through all graphs of the world."""
+
+    at: int  # the vertex that it is at, of the graph that it drives on
+    goal: Optional[int] = None  # of the same graph; None: it makes room for others
+    holds: bool = False  # it stays where it is, for instance while it is loaded
+    finished: int = 0  # moves since it takes part
+    driven: float = 0.0  # m, along the lane of its present move
+    blocked: bool = False  # a body that takes no part is in the way of its present move
+
+
 class Command(NamedTuple):
     """The command for one tick. A motion ends with the tick; the other commands are valid until the next ones."""
 
@@ -427,6 +438,6 @@ class Command(NamedTuple):
     grippers: Sequence[GripperCommand] = ()
     joints: Sequence[JointCommand] = ()
     messages: Sequence[RadioMessage] = ()
-    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder]] = ()  # executed in order
+    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder]] = ()  # executed in order
     report: str = ""  # an event of the run, for users
     say: str = ""  # a text for users, an event of the run

@@ -101,6 +101,14 @@ class Changes {
       transmission.due = state.tick + Below(3);
       transmission.message.bytes.assign(Below(9), 7);
     }
+    state.traffic_robots.resize(Below(4));
+    for (TrafficRobot& robot : state.traffic_robots) {
+      robot.robot = RobotId(Below(state.robots.size()));
+      robot.finished = static_cast<std::uint32_t>(Below(9));
+    }
+    state.traffic_moves.resize(Below(4));
+    for (TrafficMove& move : state.traffic_moves) move.robot = RobotId(Below(state.robots.size()));
+    state.lane_closures.assign(Below(3), {1, 9, 3});
   }
 
  private:
