@@ -268,18 +268,16 @@ class Planner {
     }
     PriorityMoves moves(graph_, closed_, formation, robots);
     waits_for_.resize(plan_.robots.size());
-    std::size_t searches = 0;
     // Searches take turns, so that each robot has one once in a while.
     const std::size_t first_search = order.empty() ? 0 : tick_ * kMaxSearches % order.size();
     for (std::size_t i = 0; i < order.size(); ++i) {
       const std::uint32_t row = order[i];
       if (pending_[row] > (plan_.robots[row].has_left ? 1U : 0U)) continue;
       const std::size_t begun = formation.moves().size();
-      const std::uint32_t goal = *plan_.robots[row].goal;
-      if (!moves.Advance(row, goal, kMovesAhead)) {
+      if (!moves.Advance(row, *plan_.robots[row].goal, kMovesAhead)) {
         waits_for_[row] = moves.blocker();
         const bool has_turn = (i + order.size() - first_search) % order.size() < kMaxSearches;
-        if (i == 0 || (has_turn && searches++ < kMaxSearches)) FindWay(formation, row, i == 0, robots);
+        if (i == 0 || has_turn) FindWay(formation, row, i == 0, robots);
       }
       for (std::size_t k = begun; k < formation.moves().size(); ++k) {
         const RowMove& move = formation.moves()[k];
@@ -290,20 +288,22 @@ class Planner {
     }
   }
 
-  // Around robots that stay, and for the robot with the oldest goal past all others.
+  // Around robots that stay, and past those with younger goals; for the oldest goal past all others.
   void FindWay(Formation& formation, std::uint32_t row, bool is_first,
                const std::vector<PriorityMoves::Robot>& robots) {
     std::vector<bool> is_fixed(robots.size());
     for (std::uint32_t other = 0; other < is_fixed.size(); ++other) {
-      is_fixed[other] =
-          is_first ? IsFixed(formation, other) : !robots[other].can_move || robots[other].rank < robots[row].rank;
+      is_fixed[other] = IsFixed(formation, other) || robots[other].rank < robots[row].rank;
     }
     const TrafficSearch search(graph_, closed_, routes_, is_fixed);
-    const std::uint32_t goal = *plan_.robots[row].goal;
-    const bool found = search.Find(formation, row, goal, kMovesAhead, is_first ? 0.0 : kPushSeconds);
-    if (found || !is_first || (!plan_.moves.empty() && tick_ % kAnyWayTicks != 0)) return;
+    TrafficRobot& robot = plan_.robots[row];
+    if (search.Find(formation, row, *robot.goal, kMovesAhead, is_first ? 0.0 : kPushSeconds)) return;
+    const std::uint32_t waited = robot.waiting + robot.robot.index() % kAnyWayTicks;
+    if (waited < kAnyWayTicks || waited % kAnyWayTicks != 0) return;
+    if (!is_first && any_way_searches_++ >= kMaxAnyWaySearches) return;
     // Without a way to its goal it would stand in the ways of all others.
-    if (!search.FindAnyWay(formation, row, goal)) plan_.robots[row].since = tick_;
+    const std::size_t max_visits = is_first ? 10 * kMaxAnyWayVisits : kMaxAnyWayVisits;
+    if (!search.FindAnyWay(formation, row, *robot.goal, max_visits) && is_first) robot.since = tick_;
   }
 
   // It holds, will be at its goal and has to arrive there first, or has many moves to make.
@@ -354,6 +354,7 @@ class Planner {
   std::vector<bool> closed_;
   std::vector<std::size_t> pending_;                          // moves, by row
   std::vector<std::optional<std::uint32_t>> waits_for_ = {};  // by row
+  std::size_t any_way_searches_ = 0;                          // of this tick
   bool drops_ = false;                                        // the moves that are not granted
 };
 

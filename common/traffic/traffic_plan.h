@@ -9,10 +9,11 @@
 // granted moves at their ends, are again free of conflicts, and a new plan begins there.
 //
 // Each tick plans the next lane of each robot that has none left (priority_moves.h), in the order of the ages of the
-// goals: it comes nearer to its goal, and robots with younger goals, or without one, make room. The one with the oldest
-// goal of all has all others make room; where lanes do not let them, a search over their places (traffic_search.h)
-// plans its whole way. So each robot becomes the one with the oldest goal, and arrives, if the graph has room for it.
-// If it has not, the goal counts as new, so that others go on, and perhaps make room.
+// goals: it comes nearer to its goal, and robots with younger goals, or without one, make room. Where lanes do not let
+// them, a robot that has waited for a while has a search over their places (traffic_search.h), by which it comes nearer
+// to its goal all the same. The one with the oldest goal may move all others so; each robot becomes that one, and
+// arrives, if the graph has room for it. If it has not, the goal counts as new, so that others go on, and perhaps make
+// room.
 //
 // A pure function of its arguments: the plan is a part of the state of the world, and depends on no clock, no packing
 // and no earlier call. Memory: some moves for each robot, and one whole way. Cost of a tick: linear in the robots, and
@@ -55,7 +56,10 @@ inline constexpr std::size_t kMaxSearches = 32;     // of a tick, for ways aroun
 inline constexpr std::uint32_t kClosedTicks = 600;  // a lane that a body blocks, for the first time
 inline constexpr std::uint32_t kMaxClosedTicks = 36'000;
 inline constexpr Tick kMaxAbsent = 100;
-inline constexpr Tick kAnyWayTicks = 10;  // between searches for a way around others
+inline constexpr std::uint32_t kAnyWayTicks = 10;     // of a wait, until a search for a way around others
+inline constexpr std::size_t kMaxAnyWaySearches = 2;  // of a tick, beside that of the oldest goal
+inline constexpr std::size_t kMaxAnyWayVisits =
+    200'000;  // of vertices, in one of these; ten times as many for the oldest goal
 
 // The plan of the next tick. `routes`: of the graph. `requests`: ascending, at most one for each robot. `obstructed`:
 // lanes that bodies outside of the traffic are on, by lane; no move begins there. A robot takes part once its vertex is

@@ -139,6 +139,7 @@ bool TrafficSearch::Push(Formation& formation, std::uint32_t pushed, std::uint32
   };
   for (std::size_t i = 0; i < order.size() && tries < kMaxTargets; ++i) {
     const std::uint32_t vertex = order[i];
+    ++visits_;
     if (i > 0 && formation.occupant(vertex) == Formation::kNone && !avoided[vertex]) {
       if (!graph_.IsOpen(vertex)) {
         shut.push_back(vertex);
@@ -191,6 +192,7 @@ bool TrafficSearch::MoveChain(Formation& formation, const std::vector<TrafficExi
 // The part of the graph that each vertex is in once these are taken away, from 0 on in the order of vertices;
 // Formation::kNone for these. Lanes connect in both directions here.
 std::vector<std::uint32_t> TrafficSearch::PartsWithout(std::uint32_t one, std::optional<std::uint32_t> two) const {
+  visits_ += graph_.vertices();
   std::vector<std::uint32_t> roots(graph_.vertices());
   for (std::uint32_t i = 0; i < roots.size(); ++i) roots[i] = i;
   const auto find = [&](std::uint32_t vertex) {
@@ -217,7 +219,8 @@ std::vector<std::uint32_t> TrafficSearch::PartsWithout(std::uint32_t one, std::o
   return parts;
 }
 
-bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal) const {
+bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal,
+                               std::size_t max_visits) const {
   struct State {
     std::vector<std::uint32_t> places;
     std::uint32_t parent = Formation::kNone;
@@ -229,6 +232,9 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
   std::vector<State> states = {{formation.places(), Formation::kNone, {}, 0.0}};
   std::set<std::vector<std::uint32_t>> seen;
   Queue open;
+  const auto is_nearer = [&](std::uint32_t vertex) {
+    return vertex == goal || (graph_.IsOpen(vertex) && seconds_to[vertex] < seconds_to[formation.place(row)]);
+  };
   // The vertex of the robot, and the free vertices of each part without it.
   const auto key_of = [&](const Formation& there) {
     std::vector<std::uint32_t> key = {there.place(row)};
@@ -243,8 +249,8 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
   open.push({seconds_to[formation.place(row)], 0});
   seen.insert(key_of(formation));
   std::optional<std::uint32_t> found;
-  const std::size_t most = std::min(kMaxStates, std::max<std::size_t>(kMaxVisits / graph_.vertices(), 10));
-  while (!open.empty() && !found && states.size() < most) {
+  visits_ = 0;
+  while (!open.empty() && !found && states.size() < kMaxStates && visits_ < max_visits) {
     const std::uint32_t number = open.top().second;
     open.pop();
     const State state = states[number];
@@ -256,7 +262,7 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
       there.Move(row, exit.lane, exit.to);
       if (!found && seen.insert(key_of(there)).second) {
         const double seconds = state.seconds + exit.seconds + static_cast<double>(there.moves().size()) - 1.0;
-        if (exit.to == goal) found = static_cast<std::uint32_t>(states.size());
+        if (is_nearer(exit.to)) found = static_cast<std::uint32_t>(states.size());
         open.push({seconds + seconds_to[exit.to], static_cast<std::uint32_t>(states.size())});
         states.push_back({there.places(), number, there.moves(), seconds});
       }
@@ -278,7 +284,7 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
         for (std::uint32_t vertex = 0; vertex < parts.size(); ++vertex) {
           if (parts[vertex] == part) avoided[vertex] = true;
         }
-        for (std::size_t i = 0; i < kMaxTransfers && !found; ++i) {
+        for (std::size_t i = 0; i < kMaxTransfers && !found && visits_ < max_visits; ++i) {
           // A robot of the part that can leave it: the one nearest to the next vertex is enough, as chains move.
           bool has_moved = false;
           for (std::uint32_t vertex = 0; vertex < parts.size() && !has_moved; ++vertex) {

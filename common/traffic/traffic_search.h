@@ -6,7 +6,8 @@
 // be arranged in any way, so that the numbers are all that counts; this keeps the search small. It finds ways back to a
 // siding, and lets robots pass there.
 //
-// Cost: Find a search of the graph for each robot that is pushed; FindAnyWay at most kMaxStates of these.
+// Cost: Find a search of the graph for each robot that is pushed; FindAnyWay at most kMaxStates of these, and bounded
+// by its caller.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,6 @@ namespace troupe {
 class TrafficSearch {
  public:
   static constexpr std::size_t kMaxStates = 2000;
-  static constexpr std::size_t kMaxVisits = 200'000;  // states times vertices
 
   // `closed`: by lane. `routes`: for these lanes, or with fewer closed. `is_fixed`: by row, the robots that stay where
   // they are. All outlive the search.
@@ -36,7 +36,9 @@ class TrafficSearch {
   // not possible now. `push_seconds`: of the route past a robot that has to make room.
   bool Find(Formation& formation, std::uint32_t row, std::uint32_t goal, std::size_t own_moves,
             double push_seconds) const;
-  bool FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal) const;
+  // FindAnyWay: up to a vertex at which it may wait, and which is nearer to the goal. It ends after `max_visits` of
+  // vertices, without a result.
+  bool FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal, std::size_t max_visits) const;
 
  private:
   // Vertices at which a robot that is pushed may not end.
@@ -56,6 +58,7 @@ class TrafficSearch {
   const std::vector<bool>& closed_;
   TrafficRoutes& routes_;
   const std::vector<bool>& is_fixed_;
+  mutable std::size_t visits_ = 0;  // of vertices
 };
 
 }  // namespace troupe
