@@ -88,7 +88,7 @@ class Planner {
       if (!RowOf(request.robot)) Admit(request);
     }
     for (const TrafficMove& move : plan_.moves) drops_ = drops_ || (!move.granted && obstructed_[move.lane]);
-    if (drops_) std::erase_if(plan_.moves, [](const TrafficMove& move) { return !move.granted; });
+    std::erase_if(plan_.moves, [&](const TrafficMove& move) { return !move.granted && (drops_ || !move.kept); });
     for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = closure.until > tick_;
     routes_.Begin(closed_);
     for (std::size_t lane = 0; lane < closed_.size(); ++lane) closed_[lane] = closed_[lane] || obstructed_[lane];
@@ -274,22 +274,27 @@ class Planner {
       const std::uint32_t row = order[i];
       if (pending_[row] > (plan_.robots[row].has_left ? 1U : 0U)) continue;
       const std::size_t begun = formation.moves().size();
+      bool is_whole = false;  // a sequence of moves that makes no sense in part
       if (!moves.Advance(row, *plan_.robots[row].goal, kMovesAhead)) {
         waits_for_[row] = moves.blocker();
         const bool has_turn = (i + order.size() - first_search) % order.size() < kMaxSearches;
-        if (i == 0 || has_turn) FindWay(formation, row, i == 0, robots);
+        is_whole = (i == 0 || has_turn) && FindWay(formation, row, i == 0, robots);
+      }
+      if (is_whole) {
+        for (TrafficMove& move : plan_.moves) move.kept = true;
       }
       for (std::size_t k = begun; k < formation.moves().size(); ++k) {
         const RowMove& move = formation.moves()[k];
-        plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false});
+        plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false, is_whole});
         ++pending_[move.row];
         robots[move.row].can_move = false;
       }
     }
   }
 
-  // Around robots that stay, and past those with younger goals; for the oldest goal past all others.
-  void FindWay(Formation& formation, std::uint32_t row, bool is_first,
+  // Around robots that stay, and past those with younger goals; for the oldest goal past all others. True: the moves
+  // are one sequence.
+  bool FindWay(Formation& formation, std::uint32_t row, bool is_first,
                const std::vector<PriorityMoves::Robot>& robots) {
     std::vector<bool> is_fixed(robots.size());
     for (std::uint32_t other = 0; other < is_fixed.size(); ++other) {
@@ -297,13 +302,15 @@ class Planner {
     }
     const TrafficSearch search(graph_, closed_, routes_, is_fixed);
     TrafficRobot& robot = plan_.robots[row];
-    if (search.Find(formation, row, *robot.goal, kMovesAhead, is_first ? 0.0 : kPushSeconds)) return;
+    if (search.Find(formation, row, *robot.goal, kMovesAhead, is_first ? 0.0 : kPushSeconds)) return false;
     const std::uint32_t waited = robot.waiting + robot.robot.index() % kAnyWayTicks;
-    if (waited < kAnyWayTicks || waited % kAnyWayTicks != 0) return;
-    if (!is_first && any_way_searches_++ >= kMaxAnyWaySearches) return;
-    // Without a way to its goal it would stand in the ways of all others.
+    if (waited < kAnyWayTicks || waited % kAnyWayTicks != 0) return false;
+    if (!is_first && any_way_searches_++ >= kMaxAnyWaySearches) return false;
     const std::size_t max_visits = is_first ? 10 * kMaxAnyWayVisits : kMaxAnyWayVisits;
-    if (!search.FindAnyWay(formation, row, *robot.goal, max_visits) && is_first) robot.since = tick_;
+    if (search.FindAnyWay(formation, row, *robot.goal, max_visits)) return true;
+    // Without a way to its goal it would stand in the ways of all others.
+    if (is_first) robot.since = tick_;
+    return false;
   }
 
   // It holds, will be at its goal and has to arrive there first, or has many moves to make.

@@ -52,6 +52,7 @@ struct TrafficMove {
   std::uint32_t lane = 0;
   std::uint32_t to = 0;
   bool granted = false;
+  bool kept = false;
   bool operator==(const TrafficMove&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -59,6 +60,7 @@ struct TrafficMove {
         Field{"lane", &TrafficMove::lane},
         Field{"to", &TrafficMove::to, "an end of the lane; the start of the move, if the robot turns back"},
         Field{"granted", &TrafficMove::granted, "it may begin"},
+        Field{"kept", &TrafficMove::kept, "others of the plan rely on it; the rest is planned in each tick"},
     };
   }
 };

@@ -220,7 +220,7 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackAndGoesRound) {
   TrafficRequest request{.robot = RobotId(0), .at = 0, .goal = 1};
   PlanTraffic(routes, std::span(&request, 1), obstructed, 1, plan);
   ASSERT_EQ(plan.moves.size(), 1u);
-  EXPECT_EQ(plan.moves[0], (TrafficMove{RobotId(0), 0, 1, true}));
+  EXPECT_EQ(plan.moves[0], (TrafficMove{RobotId(0), 0, 1, true, false}));
   request.is_blocked = true;
   request.driven = 2.0;
   PlanTraffic(routes, std::span(&request, 1), obstructed, 2, plan);
@@ -281,7 +281,7 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackOnceNoOtherIsBehindIt) {
   EXPECT_EQ(plan.moves[0].to, 2u);
   requests[1].finished = 2;
   PlanTraffic(routes, requests, obstructed, 5, plan);
-  EXPECT_EQ(plan.moves[0], (TrafficMove{RobotId(0), 1, 1, true}));
+  EXPECT_EQ(plan.moves[0], (TrafficMove{RobotId(0), 1, 1, true, false}));
 }
 
 TEST(TrafficPlanTest, ARobotStartsToTakePartWhereNoOtherIs) {
