@@ -160,6 +160,10 @@ THINGS = (
             {"robots": [_robot(f"{name}_bot", 4 * (i % 4), 12 + 4 * (i // 4), [_sensor(name)])]},
             f"forall s in sensors \"{name}_bot*\": always type(s) == \"{name}\"", topic=f"/{name}_bot/the_{name}")
       for i, name in enumerate(SENSORS)),
+    Thing("robot on lanes", "robots", "courier",
+          {"robots": [_robot("courier", 22, 8, controller={
+              "name": "lanes", "parameters": {"planned": True, "places": ["end", "start"]}})]},
+          "eventually arrivals(courier) >= 1", site=True, topic="/courier/odom"),
     Thing("level", "levels", "L2", {}, "always robots(\"L2\") >= 0", site=True, topic="/building_map"),
     Thing("lane", "lanes", "", {}, "forall l in lanes: always robots(l) >= 0", site=True, mark="lane", topic="/building_map"),
 )

@@ -17,6 +17,8 @@ namespace {
 constexpr const char* kLift = "guesthouse_lift.json";
 // Two robots follow lanes through the same door and with the same lift.
 constexpr const char* kLanes = "guesthouse_lanes.json";
+// Four robots on a single track with sidings, whose ways are planned as one.
+constexpr const char* kSidings = "sidings.json";
 // Guests open doors and ride the lift, which they share with a robot.
 constexpr const char* kGuests = "guesthouse_guests.json";
 
@@ -61,6 +63,30 @@ TEST(LanesOverDds, AreFollowedAlikeInEveryKindOfRun) {
   EXPECT_TRUE(HashesOf({}, kLanes) == expected) << "a process for each robot";
   EXPECT_TRUE(HashesOf({"--robots-per-process", "2", "--threads", "2"}, kLanes) == expected);
   OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(TrafficOverDds, IsPlannedAlikeInEveryKindOfRun) {
+  TemporaryFolder folder;
+  const std::string expected = HashesOf({"--in-process", "--record", folder.Path("run.mcap")}, kSidings);
+  ASSERT_FALSE(expected.empty());
+  EXPECT_TRUE(HashesOf({}, kSidings) == expected) << "a process for each robot";
+  EXPECT_TRUE(HashesOf({"--robots-per-process", "3", "--data-sharing", "off", "--threads", "2"}, kSidings) == expected);
+  EXPECT_TRUE(HashesOf({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"}, kSidings) ==
+              expected);
+  OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(TrafficOverDds, IsPlannedAlikeWhateverDies) {
+  TemporaryFolder folder;
+  Program run = Troupe(RunOf(kSidings, Words("--ticks 700 --speed 20 --on-agent-loss rebuild --lease 1 --hash-log %",
+                                             {folder.Path("hashes")})));
+  run.WaitForLine("ready");
+  Kill(run, "robot-agent");
+  run.WaitForLineAfter("restart ");
+  Kill(run, "world-service");
+  run.WaitForLineAfter("the world service has been started again");
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_TRUE(folder.Read("hashes") == HashesOf({"--in-process"}, kSidings));
 }
 
 TEST(GuestsOverDds, RideAlikeInEveryKindOfRun) {
