@@ -316,7 +316,7 @@ struct Copy {
     test::PageReader reader(bytes);
     std::size_t count = 0;
     ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
-      if constexpr (!std::is_same_v<Row, ImuState> && !std::is_same_v<Row, RadioTransmission>) {
+      if constexpr (!std::is_same_v<Row, ImuState> && !kIsVaryingTable<Row>) {
         count += reader.ReadRows(table.Of(state)).size();
       }
     });
