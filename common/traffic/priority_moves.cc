@@ -19,6 +19,14 @@ bool PriorityMoves::Advance(std::uint32_t row, std::uint32_t goal, std::size_t m
   return open != begun;
 }
 
+bool PriorityMoves::MakeRoom(std::uint32_t row, std::uint32_t lane) {
+  ++call_;
+  ways_.push_back(lane);
+  const bool has_moved = Choose(row, 0);
+  ways_.pop_back();
+  return has_moved;
+}
+
 // One lane: nearer to its goal if it chooses for itself, else out of the way of those that ask.
 bool PriorityMoves::Choose(std::uint32_t row, std::size_t rank) {
   struct Candidate {

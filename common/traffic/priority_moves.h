@@ -36,6 +36,8 @@ class PriorityMoves {
   // own, or more up to a vertex at which it may wait. A robot that has moved cannot be moved by others. False: there is
   // no such lane now, and the formation is as before.
   bool Advance(std::uint32_t row, std::uint32_t goal, std::size_t most);
+  // Moves a robot off a lane, and all in its way, whatever their ranks.
+  bool MakeRoom(std::uint32_t row, std::uint32_t lane);
   // After Advance without a lane: the row of a robot in the way of the best one; nothing: no robot is.
   std::optional<std::uint32_t> blocker() const { return blocker_; }
 

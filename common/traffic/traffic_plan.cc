@@ -124,9 +124,7 @@ class Planner {
     while (robot.finished != request.finished) {
       const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
       if (front == plan_.moves.end() || !front->granted) break;  // a report of a move that it does not have
-      const auto closure = FindClosure(front->lane);
-      const bool has_passed = front->to != robot.at;
-      if (has_passed && closure != plan_.closures.end() && closure->lane == front->lane) plan_.closures.erase(closure);
+      if (front->to != robot.at && IsKnown(front->lane)) plan_.closures.erase(FindClosure(front->lane));
       robot.at = front->to;
       robot.has_left = false;
       ++robot.finished;
@@ -135,7 +133,8 @@ class Planner {
     robot.finished = request.finished;
     robot.holds = request.holds;
     const auto present = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
-    if (present != plan_.moves.end() && present->granted && present->to != robot.at) {
+    // Where something was in the way before, it may have to turn back.
+    if (present != plan_.moves.end() && present->granted && present->to != robot.at && !IsKnown(present->lane)) {
       robot.has_left = robot.has_left || request.driven >= graph_.leave_distance(present->lane);
     }
     if (robot.goal != request.goal) {
@@ -162,16 +161,21 @@ class Planner {
     const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
     if (front == plan_.moves.end() || !front->granted || front->to == robot.at) return;
     Close(front->lane);
-    if (robot.has_left && !IsStartFree(robot, front->lane)) return;
+    plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
+    if (robot.has_left && !IsStartFree(robot, front->lane)) {
+      // Others leave out where it stands, and those behind it make room.
+      for (const std::uint32_t near : graph_.LanesNearRest(front->lane, front->to)) obstructed_[near] = true;
+      stuck_.push_back({robot.robot, robot.at, front->lane});
+      return;
+    }
     drops_ = true;
     front->to = robot.at;
     robot.has_left = false;
-    plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
   }
 
   void Close(std::uint32_t lane) {
     const auto place = FindClosure(lane);
-    const bool is_known = place != plan_.closures.end() && place->lane == lane;
+    const bool is_known = IsKnown(lane);
     if (is_known && place->until > tick_) return;
     drops_ = true;
     const std::uint32_t ticks = is_known ? std::min(2 * place->ticks, kMaxClosedTicks) : kClosedTicks;
@@ -183,6 +187,11 @@ class Planner {
     }
   }
 
+  bool IsKnown(std::uint32_t lane) {
+    const auto place = FindClosure(lane);
+    return place != plan_.closures.end() && place->lane == lane;
+  }
+
   // The first one that is not of a lane before it.
   std::vector<LaneClosure>::iterator FindClosure(std::uint32_t lane) {
     return std::lower_bound(plan_.closures.begin(), plan_.closures.end(), lane,
@@ -192,7 +201,6 @@ class Planner {
   // Of a robot on a lane that it has left the start of.
   bool IsStartFree(const TrafficRobot& robot, std::uint32_t lane) const {
     const auto vertices = graph_.VerticesNearVertex(robot.at);
-    const auto lanes = graph_.LanesNearLane(lane);
     const auto groups = graph_.GroupsOfLane(lane);
     const auto meets = [](std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
       return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
@@ -204,10 +212,21 @@ class Planner {
                                   meets(groups, graph_.GroupsOfVertex(other.at)));
                         }) &&
            std::none_of(plan_.moves.begin(), plan_.moves.end(), [&](const TrafficMove& move) {
-             return move.robot != robot.robot && move.granted &&
-                    (std::binary_search(lanes.begin(), lanes.end(), move.lane) ||
-                     meets(groups, graph_.GroupsOfLane(move.lane)));
+             if (move.robot == robot.robot || !move.granted) return false;
+             const auto its_lanes =
+                 HasLeftStartOf(move) ? graph_.LanesNearRest(move.lane, move.to) : graph_.LanesNearLane(move.lane);
+             const auto its_groups =
+                 HasLeftStartOf(move) ? graph_.GroupsOfRest(move.lane, move.to) : graph_.GroupsOfLane(move.lane);
+             return std::binary_search(its_lanes.begin(), its_lanes.end(), lane) || meets(groups, its_groups);
            });
+  }
+
+  // Whether it is the present move of a robot that is clear of its start.
+  bool HasLeftStartOf(const TrafficMove& move) const {
+    const TrafficRobot& robot = plan_.robots[*RowOf(move.robot)];
+    const auto present = std::find_if(plan_.moves.begin(), plan_.moves.end(),
+                                      [&](const TrafficMove& other) { return other.robot == move.robot; });
+    return robot.has_left && &*present == &move;
   }
 
   // A robot that takes part from now on, unless another one is there, or moves there.
@@ -268,6 +287,13 @@ class Planner {
     }
     PriorityMoves moves(graph_, closed_, formation, robots);
     waits_for_.resize(plan_.robots.size());
+    for (const Stuck& stuck : stuck_) {
+      for (const std::uint32_t vertex : graph_.VerticesNearVertex(stuck.at)) {
+        const std::uint32_t occupant = formation.occupant(vertex);
+        if (occupant != kNone && robots[occupant].can_move) moves.MakeRoom(occupant, stuck.lane);
+      }
+    }
+    Add(formation, 0, false, robots);
     // Searches take turns, so that each robot has one once in a while.
     const std::size_t first_search = order.empty() ? 0 : tick_ * kMaxSearches % order.size();
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -283,12 +309,17 @@ class Planner {
       if (is_whole) {
         for (TrafficMove& move : plan_.moves) move.kept = true;
       }
-      for (std::size_t k = begun; k < formation.moves().size(); ++k) {
-        const RowMove& move = formation.moves()[k];
-        plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false, is_whole});
-        ++pending_[move.row];
-        robots[move.row].can_move = false;
-      }
+      Add(formation, begun, is_whole, robots);
+    }
+  }
+
+  // The moves of a formation from `begun` on.
+  void Add(const Formation& formation, std::size_t begun, bool kept, std::vector<PriorityMoves::Robot>& robots) {
+    for (std::size_t i = begun; i < formation.moves().size(); ++i) {
+      const RowMove& move = formation.moves()[i];
+      plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false, kept});
+      ++pending_[move.row];
+      robots[move.row].can_move = false;
     }
   }
 
@@ -313,10 +344,11 @@ class Planner {
     return false;
   }
 
-  // It holds, will be at its goal and has to arrive there first, or has many moves to make.
+  // It holds, will be at its goal and has to arrive there first, has many moves to make, or cannot move.
   bool IsFixed(const Formation& formation, std::uint32_t row) const {
     const TrafficRobot& robot = plan_.robots[row];
-    return robot.holds || robot.goal == formation.place(row) || pending_[row] >= kMaxPending;
+    return robot.holds || robot.goal == formation.place(row) || pending_[row] >= kMaxPending ||
+           std::any_of(stuck_.begin(), stuck_.end(), [&](const Stuck& stuck) { return stuck.robot == robot.robot; });
   }
 
   void Grant() {
@@ -355,14 +387,20 @@ class Planner {
 
   TrafficRoutes& routes_;
   const TrafficGraph& graph_;
-  const std::vector<bool>& obstructed_;
+  std::vector<bool> obstructed_;
   Tick tick_;
   TrafficPlan& plan_;
   std::vector<bool> closed_;
   std::vector<std::size_t> pending_;                          // moves, by row
   std::vector<std::optional<std::uint32_t>> waits_for_ = {};  // by row
-  std::size_t any_way_searches_ = 0;                          // of this tick
-  bool drops_ = false;                                        // the moves that are not granted
+  struct Stuck {
+    RobotId robot;
+    std::uint32_t at = 0;
+    std::uint32_t lane = 0;
+  };
+  std::vector<Stuck> stuck_;          // robots that cannot turn back yet
+  std::size_t any_way_searches_ = 0;  // of this tick
+  bool drops_ = false;                // the moves that are not granted
 };
 
 }  // namespace

@@ -121,6 +121,34 @@ TEST(TrafficPlanTest, AllArriveOnRandomGrids) {
   }
 }
 
+// Lanes on which something stands that takes no part: robots find out, turn back and go round.
+TEST(TrafficPlanTest, AllArriveBesideLanesThatAreBlocked) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Draws draws(seed);
+    const std::size_t width = 3 + draws.Below(3);
+    const std::size_t height = 3 + draws.Below(3);
+    const LaneGraph lanes = RandomGrid(draws, width, height, 0.0);
+    TrafficRun run({lanes}, seed);
+    const std::size_t robots = 1 + draws.Below(width * height / 3);
+    for (std::uint32_t i = 0; i < robots; ++i) run.Place(i);
+    // Between inner vertices, which have other lanes.
+    for (std::uint32_t lane = 0; lane < run.graph.lanes() && run.impassable.size() < 3; ++lane) {
+      if (draws.Chance(0.3) && run.graph.exits(run.graph.start(lane)).size() > 2 &&
+          run.graph.exits(run.graph.end(lane)).size() > 2) {
+        run.impassable.push_back(lane);
+      }
+    }
+    while (run.tick < 6000) {
+      run.RunTick([&](std::size_t) { return std::optional(static_cast<std::uint32_t>(draws.Below(width * height))); });
+      ASSERT_FALSE(HasFatalFailure()) << "seed " << seed;
+    }
+    for (const TrafficRun::Robot& robot : run.robots) {
+      EXPECT_LT(run.tick - robot.since, 1500u) << "seed " << seed;
+      EXPECT_GE(robot.arrivals, 5u) << "seed " << seed;
+    }
+  }
+}
+
 // All places of one robot and of others that cannot be told apart, reached by single moves.
 bool CanReach(const TrafficGraph& graph, const std::vector<std::uint32_t>& places, std::uint32_t goal) {
   const auto key = [](std::vector<std::uint32_t> all) {
@@ -275,10 +303,13 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackOnceNoOtherIsBehindIt) {
   PlanTraffic(routes, requests, obstructed, 3, plan);
   ASSERT_FALSE(plan.moves.empty());
   EXPECT_EQ(plan.moves[0].to, 2u) << "there is another robot behind it";
+  // It has to make room, though its own way leads on.
   requests[1].finished = 1;
-  requests[1].goal = 0;
+  requests[1].goal = 3;
   PlanTraffic(routes, requests, obstructed, 4, plan);
+  ASSERT_EQ(plan.moves.size(), 2u);
   EXPECT_EQ(plan.moves[0].to, 2u);
+  EXPECT_EQ(plan.moves[1], (TrafficMove{RobotId(1), 0, 0, true, false}));
   requests[1].finished = 2;
   PlanTraffic(routes, requests, obstructed, 5, plan);
   EXPECT_EQ(plan.moves[0], (TrafficMove{RobotId(0), 1, 1, true, false}));

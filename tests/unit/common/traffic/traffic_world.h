@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -100,6 +101,8 @@ class TrafficRun {
     std::size_t arrivals = 0;
     Tick since = 0;
     bool is_lost = false;  // sends no requests any more
+    bool turns = false;    // it goes back to where it was
+    std::size_t blocked = 0;  // ticks
   };
 
   TrafficRun(std::vector<LaneGraph> its_graphs, std::uint64_t seed)
@@ -135,7 +138,8 @@ class TrafficRun {
                           .goal = robot.goal,
                           .holds = robot.holds > 0,
                           .finished = robot.finished,
-                          .driven = DrivenBy(robot)});
+                          .driven = DrivenBy(robot),
+                          .is_blocked = robot.blocked > 20});
     }
     PlanTraffic(routes, requests, obstructed, tick, plan);
     ++tick;
@@ -154,6 +158,7 @@ class TrafficRun {
   const TrafficGraph& graph = routes.graph();
   Draws draws;
   std::vector<bool> obstructed;
+  std::vector<std::uint32_t> impassable;  // lanes on which robots stop
   TrafficPlan plan;
   std::vector<Robot> robots;
   Tick tick = 0;
@@ -162,6 +167,16 @@ class TrafficRun {
  private:
   void Advance(RobotId id, Robot& robot) {
     if (draws.Chance(delay)) return;
+    if (robot.moves && !robot.turns) {
+      const auto is_own = [&](const TrafficMove& move) { return move.robot == id; };
+      const auto present = std::find_if(plan.moves.begin(), plan.moves.end(), is_own);
+      robot.turns = present != plan.moves.end() && present->to == robot.at;
+      if (robot.turns) robot.left = robot.most - robot.left;
+    }
+    const bool is_stopped =
+        std::find(impassable.begin(), impassable.end(), robot.lane) != impassable.end() && 2 * robot.left <= robot.most;
+    robot.blocked = robot.moves && !robot.turns && is_stopped ? robot.blocked + 1 : 0;
+    if (robot.blocked > 0) return;
     if (robot.moves && robot.left > 0) {
       --robot.left;
       return;
@@ -173,6 +188,7 @@ class TrafficRun {
         // The end of the present move.
         robot.at = move.to;
         robot.moves = false;
+        robot.turns = false;
         ++robot.finished;
         continue;
       }
@@ -186,7 +202,7 @@ class TrafficRun {
 
   // m, along its lane.
   double DrivenBy(const Robot& robot) const {
-    if (!robot.moves) return 0.0;
+    if (!robot.moves || robot.turns) return 0.0;
     const LaneGraph& lanes = graphs.front();
     const double length = lanes.Way(graph.start(robot.lane), graph.end(robot.lane)).norm();
     return length * static_cast<double>(robot.most - robot.left) / static_cast<double>(robot.most);
