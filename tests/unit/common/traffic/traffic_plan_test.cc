@@ -131,12 +131,15 @@ TEST(TrafficPlanTest, AllArriveBesideLanesThatAreBlocked) {
     TrafficRun run({lanes}, seed);
     const std::size_t robots = 1 + draws.Below(width * height / 3);
     for (std::uint32_t i = 0; i < robots; ++i) run.Place(i);
-    // Between inner vertices, which have other lanes.
-    for (std::uint32_t lane = 0; lane < run.graph.lanes() && run.impassable.size() < 3; ++lane) {
-      if (draws.Chance(0.3) && run.graph.exits(run.graph.start(lane)).size() > 2 &&
-          run.graph.exits(run.graph.end(lane)).size() > 2) {
-        run.impassable.push_back(lane);
-      }
+    // Between vertices with two other lanes that are free; too few to divide the grid.
+    std::set<std::uint32_t> ends;
+    for (std::uint32_t lane = 0; lane < run.graph.lanes() && run.impassable.size() < 2; ++lane) {
+      const std::uint32_t start = run.graph.start(lane);
+      const std::uint32_t end = run.graph.end(lane);
+      if (!draws.Chance(0.3) || run.graph.exits(start).size() < 3 || run.graph.exits(end).size() < 3) continue;
+      if (ends.contains(start) || ends.contains(end)) continue;
+      ends.insert({start, end});
+      run.impassable.push_back(lane);
     }
     while (run.tick < 6000) {
       run.RunTick([&](std::size_t) { return std::optional(static_cast<std::uint32_t>(draws.Below(width * height))); });
