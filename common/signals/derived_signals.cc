@@ -66,16 +66,17 @@ const TrafficRobot* TrafficOf(const SignalView& view, std::size_t robot) {
   return row != rows.end() && row->robot == RobotId(robot) ? &*row : nullptr;
 }
 
+// Of robots that take no part, too, which do not wait and have not arrived.
 void AddOfTraffic(StateTable& table) {
   table.AddNumber("waiting", "s", "since it stands on its way in the planned traffic of lanes",
                   [](const SignalView& view, std::size_t row) {
                     const TrafficRobot* const robot = TrafficOf(view, row);
-                    return robot ? static_cast<double>(robot->waiting) * view.world.interval_seconds() : kNoNumber;
+                    return robot ? static_cast<double>(robot->waiting) * view.world.interval_seconds() : 0.0;
                   });
   table.AddNumber("arrivals", "", "goals that it has reached in the planned traffic of lanes",
                   [](const SignalView& view, std::size_t row) {
                     const TrafficRobot* const robot = TrafficOf(view, row);
-                    return robot ? static_cast<double>(robot->arrivals) : kNoNumber;
+                    return robot ? static_cast<double>(robot->arrivals) : 0.0;
                   });
   Signal waits_for{
       "waits_for", "", "the robot after which it goes on in the planned traffic of lanes", ValueType::kText, {}};
@@ -100,10 +101,10 @@ void AddOfRobots(StateTable& table) {
   table.AddNumber("energy", "J", "in its stores of energy that can become empty",
                   [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::joules); });
   table.AddNumber("capacity", "J", "the most that its stores can have", Capacity);
-  AddOfTraffic(table);
   table.AddNumber(
       "charging", "W", "power that its stores have received during the tick that ended",
       [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::charge_watts); });
+  AddOfTraffic(table);
 }
 
 void AddOfObjects(StateTable& table) {

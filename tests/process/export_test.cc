@@ -128,7 +128,9 @@ TEST_F(ExportTest, ForTablesHasTheColumnsThatTheirFirstLinesName) {
   };
   const std::vector<std::string> poses = lines("tables/poses.csv");
   ASSERT_THAT(poses, SizeIs(kTicks + 2));
-  EXPECT_EQ(poses[0], "time,tick,robot,x,y,z,heading,vx,vy,wz,stalled,speed,level,energy,capacity,charging");
+  EXPECT_EQ(poses[0],
+            "time,tick,robot,x,y,z,heading,vx,vy,wz,stalled,speed,level,energy,capacity,charging,"
+            "waiting,arrivals,waits_for");
   // The numbers are those of --poses.
   std::vector<std::string> of_run;
   for (const std::string& line : lines("run-poses")) {

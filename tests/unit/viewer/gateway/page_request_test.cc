@@ -390,7 +390,8 @@ TEST(FoxgloveProtocolTest, BodiesAreInFramesThatTransformsMove) {
   std::vector<std::string> topics;
   for (const Channel& channel : channels) topics.push_back(channel.topic);
   EXPECT_THAT(topics, testing::ElementsAre("/scene", "/tf", "/map", "/events", "/r0/ranger:0", "/tables/robots",
-                                           "/tables/transmissions", "/tables/sensors"))
+                                           "/tables/transmissions", "/tables/traffic_robots", "/tables/traffic_moves",
+                                           "/tables/lane_closures", "/tables/sensors"))
       << "single rays have no scan";
 
   const auto text = nlohmann::json::parse(SceneText(scene, 1'500'000'000));
