@@ -227,7 +227,7 @@ bool JsonReader::ToRow(Row& row) const {
       std::size_t next = 0;
       return std::apply(
           [&](const auto&... field) { return (... && JsonReader(shared_, node_->items[next++]).To(field.Of(row))); },
-          Row::Fields());
+          kFields<Row>);
     }
   }
   if (!node_->is_object()) return Fail(Expected<Row>());
