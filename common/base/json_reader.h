@@ -152,7 +152,7 @@ class JsonReader {
       []<typename... Listed>(const Listed&...) {
         return sizeof...(Listed) > 0 && (... && std::same_as<std::remove_cvref_t<typename Listed::Part>, double>);
       },
-      Row::Fields());
+      kFields<Row>);
 
   template <typename Value>
   static std::string Expected();
