@@ -201,7 +201,7 @@ def foxglove(live):
         if kind == 2 and message[0] == DATA:
             subscription, _ = struct.unpack_from("<IQ", message, 1)
             if subscription in topics:
-                rows[topics[subscription].split("/")[-1]] = [row["name"] for row in json.loads(message[13:])["rows"]]
+                rows[topics[subscription].split("/")[-1]] = [row.get("name") for row in json.loads(message[13:])["rows"]]
     return lambda thing: thing.row in rows[thing.table] if thing.row else bool(rows[thing.table])
 
 
