@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "troupe/check.h"
 #include "troupe/random.h"
 
 namespace troupe {
@@ -166,7 +167,9 @@ Status CaseDesign::MakePairs() {
          ++draw) {
       DrawSolver::Indices indices(variations().size());
       for (const std::size_t i : listed) {
-        indices[i] = RandomBits({kPairStream, settings_.seed, ++counter}) % variations()[i].size();
+        const std::uint64_t size = variations()[i].size();
+        TROUPE_CHECK(size > 0);
+        indices[i] = RandomBits({kPairStream, settings_.seed, ++counter}) % size;
       }
       indices[a] = x;
       indices[b] = y;

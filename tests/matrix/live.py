@@ -165,6 +165,15 @@ class Live:
         reply = client.ask({"type": "series", "from": 0, "to": 1, "every": 1, "signals": []})
         return {table["name"]: table["things"] for table in reply["tables"] if table["signals"]}
 
+    def tables_with(self, things):
+        """The tables once they have these things, or after a while: an observer follows the reply to a request."""
+        end = time.monotonic() + 20
+        while True:
+            tables = self.tables()
+            if all(not thing.row or thing.row in tables[thing.table] for thing in things) or time.monotonic() > end:
+                return tables
+            time.sleep(0.05)
+
 
 def ctl_get(live):
     def has(thing):

@@ -422,7 +422,7 @@ class Matrix:
         first = ("action", action.name)
         if not action.of:
             outcome = self.check(first, row, self.act, run, action, None)
-            tables = run.tables()
+            tables = run.tables_with(things)
             for thing in things:
                 there = not thing.row or thing.row in tables[thing.table]
                 self.note(first, ("thing", thing.name), outcome if there else FAILS)
