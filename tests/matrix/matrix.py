@@ -3,7 +3,7 @@
 it, or does not exist, for a reason. Writes the page of the pairs, and fails if docs/matrix.md is another one.
 
 usage: matrix.py TROUPE NODE [--all] [--write FILE] [--page FILE]
-NODE: matrix_ros_node; --write: writes the page; --page: compares with this one
+NODE: matrix_ros_node; --write: writes the page, without --all with the pairs that the page has; --page: compares with this one
 
 Without --all many things are in one run, and of the pairs that need a run of their own there is a sample, which has each row. The
 page is of all.
@@ -509,7 +509,9 @@ def main():
             used = now.children_user + now.children_system - used.children_user - used.children_system
             print(f"{section.__name__}: {time.monotonic() - began:.1f} s, {used:.1f} s of the processor", flush=True)
         if arguments.write:
-            arguments.write.write_text(pages.page(matrix.cells))
+            kept = pages.tried(arguments.write.read_text()) if not arguments.all and arguments.write.exists() else {}
+            kept = {pair: cell for pair, cell in kept.items() if pages.outcome_of(matrix.cells, *pair) is None}
+            arguments.write.write_text(pages.page({**matrix.cells, **kept}))
         for failure in matrix.failures:
             print(failure)
         if matrix.failures:

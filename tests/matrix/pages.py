@@ -81,6 +81,11 @@ def read_page(text):
     return cells
 
 
+def tried(text):
+    """The cells of a page that say more than that a pair was not tried."""
+    return {pair: cell for pair, cell in read_page(text).items() if cell.startswith((WORKS, REFUSED, NONE))}
+
+
 def differences(cells, text):
     """The pairs of rows that the page lacks, and those that it has otherwise."""
     shown = read_page(text)
