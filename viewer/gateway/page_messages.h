@@ -24,7 +24,8 @@
 
 namespace troupe {
 
-// The rows that the page shows. Of the others, lists that vary have no rows by id, and former velocities explain nothing.
+// The rows that the page shows. Of the others, lists that vary have no rows by id, and former velocities explain
+// nothing.
 template <typename Row>
 inline constexpr bool kIsShownTable = !std::is_same_v<Row, ImuState> && !kIsVaryingTable<Row>;
 

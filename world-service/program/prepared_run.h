@@ -49,7 +49,7 @@ struct PreparedRun {
   ServiceOptions options;
   std::shared_ptr<const WorldDescription> first_world;  // of which the recorders have the names
   std::shared_ptr<const RecordedStart> begin;           // of the recordings; null: they begin with the run
-  std::vector<NamedExpectation> expectations;        // of the scenario, for recordings that begin with the run
+  std::vector<NamedExpectation> expectations;           // of the scenario, for recordings that begin with the run
   std::vector<NamedRegion> regions;
   Recorders recorders;
   std::unique_ptr<RunHistory> history;   // null: none

@@ -100,8 +100,8 @@ class TrafficRun {
     std::size_t holds = 0;  // ticks at the goal
     std::size_t arrivals = 0;
     Tick since = 0;
-    bool is_lost = false;  // sends no requests any more
-    bool turns = false;    // it goes back to where it was
+    bool is_lost = false;     // sends no requests any more
+    bool turns = false;       // it goes back to where it was
     std::size_t blocked = 0;  // ticks
   };
 
