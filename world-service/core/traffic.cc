@@ -76,8 +76,8 @@ std::vector<bool> FindObstructed(const StepWorkspace& workspace, const TrafficGr
 void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   const WorldDescription& world = workspace.world();
   WorldState& state = workspace.next;
+  if (world.lane_graphs.empty() && state.traffic_robots.empty()) return;  // no order can be one of traffic
   TrafficPlan plan{std::move(state.traffic_robots), std::move(state.traffic_moves), std::move(state.lane_closures)};
-  std::vector<bool> takes_part(world.robots.size(), false);
   std::vector<double> radii(world.lane_graphs.size(), 0.0);
   const auto add_radius = [&](RobotId robot, std::uint32_t vertex) {
     double& radius = radii[GraphOf(world, vertex)];
@@ -91,6 +91,7 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   });
   if (requests.empty() && plan.robots.empty()) return;
   if (!HasPlaces(world, plan)) plan = {};
+  std::vector<bool> takes_part(world.robots.size(), false);
   for (const TrafficRobot& robot : plan.robots) {
     takes_part[robot.robot.index()] = true;
     add_radius(robot.robot, robot.at);
