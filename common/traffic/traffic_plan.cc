@@ -15,6 +15,14 @@ constexpr double kPushSeconds = 10.0;     // of the route past a robot that has 
 constexpr std::ptrdiff_t kMaxPushed = 4;  // moves of a robot with another goal that are made all the same
 constexpr std::size_t kMaxPending = 64;   // moves of a robot that others push
 
+// The order of rows and requests, which ascend by robot.
+constexpr auto kIsBefore = [](const auto& a, RobotId robot) { return a.robot < robot; };
+
+// Whether two ascending lists have a number in common.
+bool Meet(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
+  return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+}
+
 // Lanes and groups that earlier moves of the plan need.
 class Claims {
  public:
@@ -99,16 +107,20 @@ class Planner {
 
  private:
   std::optional<std::uint32_t> RowOf(RobotId robot) const {
-    const auto found = std::lower_bound(plan_.robots.begin(), plan_.robots.end(), robot,
-                                        [](const TrafficRobot& a, RobotId b) { return a.robot < b; });
+    const auto found = std::lower_bound(plan_.robots.begin(), plan_.robots.end(), robot, kIsBefore);
     if (found == plan_.robots.end() || found->robot != robot) return std::nullopt;
     return static_cast<std::uint32_t>(found - plan_.robots.begin());
   }
 
+  // The present move of a robot: its first one in the plan; the end without one.
+  std::vector<TrafficMove>::iterator FindPresent(RobotId robot) const {
+    return std::find_if(plan_.moves.begin(), plan_.moves.end(),
+                        [&](const TrafficMove& move) { return move.robot == robot; });
+  }
+
   void RemoveAbsent(std::span<const TrafficRequest> requests) {
     for (TrafficRobot& robot : plan_.robots) {
-      const auto found = std::lower_bound(requests.begin(), requests.end(), robot.robot,
-                                          [](const TrafficRequest& a, RobotId b) { return a.robot < b; });
+      const auto found = std::lower_bound(requests.begin(), requests.end(), robot.robot, kIsBefore);
       const bool is_absent = found == requests.end() || found->robot != robot.robot;
       robot.absent = is_absent ? robot.absent + 1 : 0;
       robot.holds = robot.holds || is_absent;
@@ -120,9 +132,8 @@ class Planner {
 
   void Report(std::uint32_t row, const TrafficRequest& request) {
     TrafficRobot& robot = plan_.robots[row];
-    const auto is_own = [&](const TrafficMove& move) { return move.robot == robot.robot; };
     while (robot.finished != request.finished) {
-      const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
+      const auto front = FindPresent(robot.robot);
       if (front == plan_.moves.end() || !front->granted) break;  // a report of a move that it does not have
       if (front->to != robot.at && IsKnown(front->lane)) plan_.closures.erase(FindClosure(front->lane));
       robot.at = front->to;
@@ -132,7 +143,7 @@ class Planner {
     }
     robot.finished = request.finished;
     robot.holds = request.holds;
-    const auto present = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
+    const auto present = FindPresent(robot.robot);
     // Where something was in the way before, it may have to turn back.
     if (present != plan_.moves.end() && present->granted && present->to != robot.at && !IsKnown(present->lane)) {
       robot.has_left = robot.has_left || request.driven >= graph_.leave_distance(present->lane);
@@ -142,7 +153,8 @@ class Planner {
       robot.since = tick_;
       robot.has_arrived = false;
       // Some moves to make room are soon done; a whole way is not.
-      if (std::count_if(plan_.moves.begin(), plan_.moves.end(), is_own) > kMaxPushed) drops_ = true;
+      const auto is_own = [&](const TrafficMove& move) { return move.robot == robot.robot; };
+      if (std::count_if(present, plan_.moves.end(), is_own) > kMaxPushed) drops_ = true;
     }
   }
 
@@ -158,7 +170,7 @@ class Planner {
   // there.
   void TurnBack(TrafficRobot& robot) {
     const auto is_own = [&](const TrafficMove& move) { return move.robot == robot.robot; };
-    const auto front = std::find_if(plan_.moves.begin(), plan_.moves.end(), is_own);
+    const auto front = FindPresent(robot.robot);
     if (front == plan_.moves.end() || !front->granted || front->to == robot.at) return;
     Close(front->lane);
     plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
@@ -202,31 +214,26 @@ class Planner {
   bool IsStartFree(const TrafficRobot& robot, std::uint32_t lane) const {
     const auto vertices = graph_.VerticesNearVertex(robot.at);
     const auto groups = graph_.GroupsOfLane(lane);
-    const auto meets = [](std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
-      return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
-    };
     return std::none_of(plan_.robots.begin(), plan_.robots.end(),
                         [&](const TrafficRobot& other) {
                           return other.robot != robot.robot && !other.has_left &&
                                  (std::binary_search(vertices.begin(), vertices.end(), other.at) ||
-                                  meets(groups, graph_.GroupsOfVertex(other.at)));
+                                  Meet(groups, graph_.GroupsOfVertex(other.at)));
                         }) &&
            std::none_of(plan_.moves.begin(), plan_.moves.end(), [&](const TrafficMove& move) {
              if (move.robot == robot.robot || !move.granted) return false;
+             const bool has_left = HasLeftStartOf(move);
              const auto its_lanes =
-                 HasLeftStartOf(move) ? graph_.LanesNearRest(move.lane, move.to) : graph_.LanesNearLane(move.lane);
+                 has_left ? graph_.LanesNearRest(move.lane, move.to) : graph_.LanesNearLane(move.lane);
              const auto its_groups =
-                 HasLeftStartOf(move) ? graph_.GroupsOfRest(move.lane, move.to) : graph_.GroupsOfLane(move.lane);
-             return std::binary_search(its_lanes.begin(), its_lanes.end(), lane) || meets(groups, its_groups);
+                 has_left ? graph_.GroupsOfRest(move.lane, move.to) : graph_.GroupsOfLane(move.lane);
+             return std::binary_search(its_lanes.begin(), its_lanes.end(), lane) || Meet(groups, its_groups);
            });
   }
 
   // Whether it is the present move of a robot that is clear of its start.
   bool HasLeftStartOf(const TrafficMove& move) const {
-    const TrafficRobot& robot = plan_.robots[*RowOf(move.robot)];
-    const auto present = std::find_if(plan_.moves.begin(), plan_.moves.end(),
-                                      [&](const TrafficMove& other) { return other.robot == move.robot; });
-    return robot.has_left && &*present == &move;
+    return plan_.robots[*RowOf(move.robot)].has_left && &*FindPresent(move.robot) == &move;
   }
 
   // A robot that takes part from now on, unless another one is there, or moves there.
@@ -237,15 +244,13 @@ class Planner {
     bool drops = false;
     for (const TrafficMove& move : plan_.moves) {
       const auto near = graph_.VerticesNearLane(move.lane);
-      const auto shared = graph_.GroupsOfLane(move.lane);
-      const bool meets = std::binary_search(near.begin(), near.end(), request.at) ||
-                         std::find_first_of(groups.begin(), groups.end(), shared.begin(), shared.end()) != groups.end();
+      const bool meets =
+          std::binary_search(near.begin(), near.end(), request.at) || Meet(groups, graph_.GroupsOfLane(move.lane));
       if (meets && move.granted) return;
       drops = drops || meets;
     }
     drops_ = drops_ || drops;
-    const auto place = std::lower_bound(plan_.robots.begin(), plan_.robots.end(), request.robot,
-                                        [](const TrafficRobot& a, RobotId b) { return a.robot < b; });
+    const auto place = std::lower_bound(plan_.robots.begin(), plan_.robots.end(), request.robot, kIsBefore);
     plan_.robots.insert(place, {.robot = request.robot,
                                 .at = request.at,
                                 .goal = request.goal,
