@@ -10,6 +10,7 @@
 #include "robot-agent/controller/create_controller.h"
 #include "robot-agent/robot/robot.h"
 #include "tests/support/values.h"
+#include "tests/worldfile/on_lanes.h"
 #include "tests/worldfile/scenario_run.h"
 #include "tests/worldfile/world_folder.h"
 #include "world-service/core/edit_world.h"
@@ -49,22 +50,6 @@ levels:
       - [3, 4, {bidirectional: [4, true]}]
       - [3, 5, {bidirectional: [4, true]}]
 )";
-
-std::string OnLanes(const std::string& name, const std::string& parameters) {
-  return R"({"name": ")" + name + R"(", "controller": {"name": "lanes", "parameters": )" + parameters + "}}";
-}
-
-// The building with robots that have parameters of `lanes`.
-WorldDescription LoadOnLanes(const test::TemporaryFolder& folder, const std::string& building,
-                             const std::string& robots) {
-  folder.Write("s.building.yaml", building);
-  LoadOverrides overrides;
-  overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerNeeds;
-  return ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"),
-                           overrides))
-      .world;
-}
 
 // The longest time that each robot stands in a run; and what it reaches.
 class StandingWatch {

@@ -3,16 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "common/model/states.h"
-#include "robot-agent/controller/create_controller.h"
-#include "tests/support/values.h"
+#include "tests/worldfile/on_lanes.h"
 #include "tests/worldfile/scenario_run.h"
-#include "tests/worldfile/world_folder.h"
 
 namespace troupe {
 namespace {
-
-using test::ValueOf;
 
 constexpr const char* kJunction = R"(
 name: junction
@@ -53,18 +48,7 @@ levels:
 )";
 
 std::string Planned(const std::string& name, const std::string& places) {
-  return R"({"name": ")" + name + R"(", "controller": {"name": "lanes", "parameters": {"planned": true, "places": )" +
-         places + "}}}";
-}
-
-WorldDescription Load(const test::TemporaryFolder& folder, const std::string& building, const std::string& robots) {
-  folder.Write("s.building.yaml", building);
-  LoadOverrides overrides;
-  overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerNeeds;
-  return ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"),
-                           overrides))
-      .world;
+  return OnLanes(name, R"({"planned": true, "places": )" + places + "}");
 }
 
 struct Visit {
@@ -92,14 +76,14 @@ void ExpectRounds(const WorldDescription& world, const std::vector<Visit>& visit
 TEST(PlannedLanes, RobotsPassAJunction) {
   test::TemporaryFolder folder;
   const WorldDescription world =
-      Load(folder, kJunction, Planned("r1", R"(["d", "a"])") + ", " + Planned("r2", R"(["c", "b"])"));
+      LoadOnLanes(folder, kJunction, Planned("r1", R"(["d", "a"])") + ", " + Planned("r2", R"(["c", "b"])"));
   ExpectRounds(world, {{"r1", {14, 14}, {6, 2}}, {"r2", {10, 10}, {2, 6}}}, 4000, 2);
 }
 
 TEST(PlannedLanes, RobotsExchangeTheEndsOfALaneWithASiding) {
   test::TemporaryFolder folder;
   const WorldDescription world =
-      Load(folder, kSiding, Planned("r1", R"(["b", "a"])") + ", " + Planned("r2", R"(["a", "b"])"));
+      LoadOnLanes(folder, kSiding, Planned("r1", R"(["b", "a"])") + ", " + Planned("r2", R"(["a", "b"])"));
   ExpectRounds(world, {{"r1", {15, 0}, {0, 0}}, {"r2", {0, 0}, {15, 0}}}, 4000, 2);
 }
 

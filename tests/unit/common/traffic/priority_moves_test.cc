@@ -41,15 +41,8 @@ class Board {
   std::vector<std::uint32_t> goals_;
 };
 
-LaneGraph Chain(std::uint32_t length) {
-  LaneDraft draft;
-  for (std::uint32_t i = 0; i < length; ++i) draft.Add(2.0 * i, 0.0);
-  for (std::uint32_t i = 0; i + 1 < length; ++i) draft.Join(i, i + 1);
-  return draft.graph;
-}
-
 TEST(PriorityMovesTest, ARobotComesNearerToItsGoal) {
-  Board board(Chain(4), {0}, {3});
+  Board board(Chain(4, 2.0), {0}, {3});
   EXPECT_TRUE(board.Advance(0));
   EXPECT_EQ(board.formation.place(0), 1u);
   EXPECT_TRUE(board.Advance(0, 5));
@@ -58,16 +51,16 @@ TEST(PriorityMovesTest, ARobotComesNearerToItsGoal) {
 }
 
 TEST(PriorityMovesTest, OthersMakeRoomInARow) {
-  Board board(Chain(5), {0, 1, 2}, {4, Board::kNone, 0});
+  Board board(Chain(5, 2.0), {0, 1, 2}, {4, Board::kNone, 0});
   EXPECT_TRUE(board.Advance(0));
   EXPECT_THAT(board.formation.places(), testing::ElementsAre(1, 2, 3));
   EXPECT_EQ(board.formation.moves().front().row, 2u) << "the one with room moves first";
 }
 
 TEST(PriorityMovesTest, RobotsOfEarlierRanksAndThoseThatStayMakeNoRoom) {
-  Board earlier(Chain(3), {1, 0}, {0, 2});
+  Board earlier(Chain(3, 2.0), {1, 0}, {0, 2});
   EXPECT_FALSE(earlier.Advance(1));
-  Board staying(Chain(3), {0, 1}, {2, Board::kNone});
+  Board staying(Chain(3, 2.0), {0, 1}, {2, Board::kNone});
   staying.robots[1].can_move = false;
   EXPECT_FALSE(staying.Advance(0));
   EXPECT_TRUE(staying.formation.moves().empty());
@@ -103,7 +96,7 @@ TEST(PriorityMovesTest, NoRobotStopsInAGroupThatOthersNeed) {
 }
 
 TEST(PriorityMovesTest, ClosedLanesAreLeftOut) {
-  Board board(Chain(3), {0}, {2});
+  Board board(Chain(3, 2.0), {0}, {2});
   board.closed[0] = true;
   EXPECT_FALSE(board.Advance(0));
 }

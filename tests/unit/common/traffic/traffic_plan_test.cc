@@ -286,10 +286,7 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackAndGoesRound) {
 
 // Two robots in a row, of which the first one is blocked after the second one was let to where it came from.
 TEST(TrafficPlanTest, ABlockedRobotTurnsBackOnceNoOtherIsBehindIt) {
-  LaneDraft draft;
-  for (int i = 0; i < 4; ++i) draft.Add(5.0 * i, 0.0);
-  for (std::uint32_t i = 0; i < 3; ++i) draft.Join(i, i + 1);
-  TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({draft.graph})));
+  TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({Chain(4, 5.0)})));
   const std::vector<bool> obstructed(3, false);
   TrafficPlan plan;
   std::vector<TrafficRequest> requests = {{.robot = RobotId(0), .at = 1, .goal = 2},
@@ -350,10 +347,7 @@ TEST(TrafficPlanTest, ARobotStartsToTakePartWhereNoOtherIs) {
 }
 
 TEST(TrafficPlanTest, ARobotThatWaitsNamesTheOther) {
-  LaneDraft draft;
-  for (int i = 0; i < 4; ++i) draft.Add(5.0 * i, 0.0);
-  for (std::uint32_t i = 0; i < 3; ++i) draft.Join(i, i + 1);
-  TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({draft.graph})));
+  TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({Chain(4, 5.0)})));
   const std::vector<bool> obstructed(3, false);
   TrafficPlan plan;
   std::vector<TrafficRequest> requests = {{.robot = RobotId(2), .at = 1, .goal = 3},

@@ -56,6 +56,13 @@ class LaneDraft {
   LaneGraph graph;
 };
 
+inline LaneGraph Chain(std::uint32_t length, double spacing) {
+  LaneDraft draft;
+  for (std::uint32_t i = 0; i < length; ++i) draft.Add(spacing * i, 0.0);
+  for (std::uint32_t i = 0; i + 1 < length; ++i) draft.Join(i, i + 1);
+  return draft.graph;
+}
+
 // A grid without some of its lanes, whose vertices are all connected; a dead end at some of them.
 inline LaneGraph RandomGrid(Draws& draws, std::size_t width, std::size_t height, double missing) {
   LaneDraft draft;
