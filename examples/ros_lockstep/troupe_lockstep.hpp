@@ -65,7 +65,16 @@ class LockstepExecutor {
       for (Input& input : inputs_) Take(input);
       TakeTick();
       Serve();
-      if (tick_ && HasAll()) RunTick();
+      if (!tick_) continue;
+      const Tick tick = ParseTick(*tick_);
+      if (last_ && tick.stamp < last_->first) last_.reset();  // a reset
+      const std::pair<std::int64_t, std::uint64_t> id(tick.stamp, tick.edition);
+      if (last_ != id) {  // else it is announced again, with nothing new
+        if (!HasAll(tick)) continue;
+        RunTick(tick);
+        last_ = id;
+      }
+      Answer();
     }
   }
 
@@ -78,7 +87,12 @@ class LockstepExecutor {
     rclcpp::SubscriptionBase::SharedPtr subscription;
     std::string topic;
     std::vector<Message> waiting = {};
-    std::uint64_t received = 0;  // since the answer to the tick before
+  };
+  // An announcement.
+  struct Tick {
+    std::int64_t stamp = 0;                        // ns
+    std::uint64_t edition = 0;                     // of the world
+    std::map<std::string, std::uint64_t> counts;  // of messages, by topic
   };
 
   template <typename Call>
@@ -119,7 +133,6 @@ class LockstepExecutor {
       Message message{input.subscription->create_message(), {}};
       if (!input.subscription->take_type_erased(message.content.get(), message.info)) return;
       input.waiting.push_back(std::move(message));
-      ++input.received;
     }
   }
 
@@ -143,40 +156,51 @@ class LockstepExecutor {
     }
   }
 
-  bool HasAll() {
-    const std::int64_t stamp = rclcpp::Time(tick_->stamp).nanoseconds();
-    if (last_ && stamp < *last_) last_.reset();  // a reset
-    std::map<std::string, std::uint64_t> counts;
-    std::istringstream parts(tick_->frame_id);
+  static Tick ParseTick(const std_msgs::msg::Header& header) {
+    Tick tick;
+    tick.stamp = rclcpp::Time(header.stamp).nanoseconds();
+    std::istringstream parts(header.frame_id);
     for (std::string part; parts >> part;) {
       const std::size_t colon = part.rfind(':');
-      if (colon != std::string::npos) counts[part.substr(0, colon)] = std::stoull(part.substr(colon + 1));
+      if (colon == std::string::npos) continue;
+      const std::string name = part.substr(0, colon);
+      const std::uint64_t number = std::stoull(part.substr(colon + 1));
+      if (name == "edition") tick.edition = number;
+      if (!name.empty() && name.front() == '/') tick.counts[name] = number;
     }
-    if (stamp == last_) counts.clear();  // the same tick again: what has arrived is delivered
+    return tick;
+  }
+
+  bool HasAll(const Tick& tick) {
     for (const auto& node : nodes_) {
-      if (node->now().nanoseconds() != stamp) return false;
+      if (node->now().nanoseconds() != tick.stamp) return false;
     }
     for (const Input& input : inputs_) {
+      const auto count = tick.counts.find(input.topic);
       if (!last_) {
-        // The topics of the first tick are repeated for new readers.
-        if (needs_.count(input.topic) > 0 && input.received == 0) return false;
-      } else if (const auto count = counts.find(input.topic); count != counts.end() && input.received < count->second) {
+        // Perhaps published before this program came; what it needs is then shown again.
+        if (needs_.count(input.topic) > 0 && input.waiting.empty()) return false;
+      } else if (count != tick.counts.end() && input.waiting.size() < count->second) {
         return false;
       }
     }
     return last_ || done_->get_subscription_count() > 0;
   }
 
-  void RunTick() {
+  void RunTick(const Tick& tick) {
     std::vector<Input*> order;
     for (Input& input : inputs_) order.push_back(&input);
     std::stable_sort(order.begin(), order.end(), [](const Input* a, const Input* b) { return a->topic < b->topic; });
     for (Input* const input : order) {
-      for (Message& message : std::exchange(input->waiting, {})) {
-        input->subscription->handle_message(message.content, message.info);
-        input->subscription->return_message(message.content);
+      std::vector<Message> waiting = std::exchange(input->waiting, {});
+      const auto count = tick.counts.find(input->topic);
+      // Not what was shown a second time.
+      const std::size_t most = last_ || count == tick.counts.end() ? waiting.size() : count->second;
+      const std::size_t first = waiting.size() > most ? waiting.size() - most : 0;
+      for (std::size_t i = 0; i < waiting.size(); ++i) {
+        if (i >= first) input->subscription->handle_message(waiting[i].content, waiting[i].info);
+        input->subscription->return_message(waiting[i].content);
       }
-      input->received = 0;
     }
     for (const auto& node : nodes_) {
       std::vector<rclcpp::TimerBase::SharedPtr> timers;
@@ -190,7 +214,9 @@ class LockstepExecutor {
         while (!timer->is_canceled() && timer->is_ready()) Call(*timer);
       }
     }
-    last_ = rclcpp::Time(tick_->stamp).nanoseconds();
+  }
+
+  void Answer() {
     std_msgs::msg::Header answer = *tick_;
     answer.frame_id = name_;
     tick_.reset();
@@ -214,8 +240,8 @@ class LockstepExecutor {
   rclcpp::Subscription<std_msgs::msg::Header>::SharedPtr ticks_;
   rclcpp::Publisher<std_msgs::msg::Header>::SharedPtr done_;
   std::vector<Input> inputs_;
-  std::optional<std_msgs::msg::Header> tick_;  // to be answered
-  std::optional<std::int64_t> last_;           // the time of the newest tick that was answered, ns
+  std::optional<std_msgs::msg::Header> tick_;                       // to be answered
+  std::optional<std::pair<std::int64_t, std::uint64_t>> last_;  // time and edition of the newest tick that was answered
 };
 
 // Runs the nodes until rclcpp is shut down.

@@ -32,7 +32,6 @@ class _Subscription:
         self.subscription = subscription
         self.topic = subscription.topic_name
         self.waiting = []
-        self.received = 0  # since the answer to the tick before
 
     def take(self):
         while True:
@@ -41,7 +40,6 @@ class _Subscription:
             if taken is None:
                 return
             self.waiting.append(taken)
-            self.received += 1
 
     def deliver(self):
         for message, info in self.waiting:
@@ -51,6 +49,20 @@ class _Subscription:
             else:
                 self.subscription.callback(message)
         self.waiting = []
+
+
+class _Tick:
+    """An announcement: the time, the edition of the world, and the number of messages by topic."""
+
+    def __init__(self, header):
+        self.header = header
+        self.stamp = Time.from_msg(header.stamp).nanoseconds
+        entries = {}
+        for part in header.frame_id.split():
+            name, _, number = part.rpartition(":")
+            entries[name] = int(number)
+        self.edition = entries.pop("edition", 0)
+        self.counts = {name: number for name, number in entries.items() if name.startswith("/")}
 
 
 class LockstepExecutor:
@@ -70,7 +82,7 @@ class LockstepExecutor:
         self._done = self._control.create_publisher(Header, "/world/tick_done", QoSProfile(depth=10))
         self._needs = {self._nodes[0].resolve_topic_name(topic) for topic in needs}
         self._subscriptions = {}
-        self._last = None  # the time of the newest tick that was answered, ns
+        self._last = None  # time and edition of the newest tick that was answered
         for node in self._nodes:
             actions = [entry for entry in node.waitables if type(entry).__name__ in ("ActionServer", "ActionClient")]
             if actions or list(node.clients):
@@ -115,19 +127,19 @@ class LockstepExecutor:
                 if taken is not None and taken[0] is not None:
                     service.send_response(service.callback(taken[0], service.srv_type.Response()), taken[1])
 
-    def _has_all(self, inputs, stamp, counts):
+    def _has_all(self, inputs, tick):
         for node in self._nodes:
             clock = node.get_clock()
-            if clock.clock_type == ClockType.ROS_TIME and clock.now().nanoseconds != stamp:
+            if clock.clock_type == ClockType.ROS_TIME and clock.now().nanoseconds != tick.stamp:
                 return False
         for entry in inputs:
             if entry.topic in _NEVER_AWAITED:
                 continue
             if self._last is None:
-                # The topics of the first tick are repeated for new readers.
-                if entry.topic in self._needs and entry.received == 0:
+                # Perhaps published before this program came; what it needs is then shown again.
+                if entry.topic in self._needs and not entry.waiting:
                     return False
-            elif entry.received < counts.get(entry.topic, 0):
+            elif len(entry.waiting) < tick.counts.get(entry.topic, 0):
                 return False
         if self._last is None:
             for node in self._nodes:
@@ -137,11 +149,12 @@ class LockstepExecutor:
             return self._done.get_subscription_count() > 0
         return True
 
-    def _run_tick(self, inputs):
+    def _run_tick(self, inputs, tick):
         for entry in sorted(inputs, key=lambda entry: entry.topic):  # stable: of one topic in the order of the nodes
+            if self._last is None and entry.topic in tick.counts:  # not what was shown a second time
+                entry.waiting = entry.waiting[-tick.counts[entry.topic]:]
             if entry.topic != _CLOCK:
                 entry.deliver()
-            entry.received = 0
         for node in self._nodes:
             for timer in node.timers:
                 while not timer.is_canceled() and timer.is_ready():
@@ -161,22 +174,17 @@ class LockstepExecutor:
             self._serve()
             if not self._ticks:
                 continue
-            tick = self._ticks[-1]
-            stamp = Time.from_msg(tick.stamp).nanoseconds
-            counts = {}
-            for part in tick.frame_id.split():
-                topic, _, count = part.rpartition(":")
-                counts[topic] = int(count)
-            if self._last is not None and stamp < self._last:
+            tick = _Tick(self._ticks[-1])
+            if self._last is not None and tick.stamp < self._last[0]:
                 self._last = None  # a reset
-            if stamp == self._last:
-                counts = {}  # the same tick again: what has arrived is delivered
-            if not self._has_all(inputs, stamp, counts):
-                continue
-            self._ticks.clear()
-            self._run_tick(inputs)
-            self._last = stamp
-            self._done.publish(Header(stamp=tick.stamp, frame_id=self._name))
+            if (tick.stamp, tick.edition) != self._last:  # else it is announced again, with nothing new
+                if not self._has_all(inputs, tick):
+                    continue
+                self._run_tick(inputs, tick)
+                self._last = (tick.stamp, tick.edition)
+            if self._ticks[-1] is tick.header:
+                self._ticks.clear()
+            self._done.publish(Header(stamp=tick.header.stamp, frame_id=self._name))
 
 
 def spin(nodes, name, needs=()):

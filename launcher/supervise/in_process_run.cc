@@ -86,7 +86,8 @@ class NewAgents {
 
   // Merges their scans into the file of the first agent. REQUIRES: Join was called.
   Status MergeScans() {
-    if (scan_files_.empty()) return Status();
+    if (options_.scan_log.empty()) return Status();
+    if (scan_files_.empty()) return WriteWholeFile(options_.scan_log, "");  // a world without robots
     const Result<std::string> all = scan_parts_.Add();
     if (!all.ok()) return all.error();
     scan_files_.insert(scan_files_.begin(), options_.scan_log);

@@ -42,7 +42,7 @@ class RobotGroup {
   void PublishActions(const RobotView& robot);
   // `robots`: of the process, in the order of their ids.
   void Show(Tick tick, std::span<const RobotView* const> robots);
-  // The same for the topics whose readers have come since that time.
+  // The same for the topics whose readers have come since that time; for all, if the program of the host asks for it.
   void Repeat(Tick tick, std::span<const RobotView* const> robots, std::chrono::steady_clock::time_point since);
   void ChangeWorld(const Scene& scene);
   void Restart();
@@ -211,10 +211,14 @@ void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
 
 void RobotGroup::Repeat(Tick tick, std::span<const RobotView* const> robots,
                         std::chrono::steady_clock::time_point since) {
-  connection_.AddressReadersSince(since);
+  connection_.Receive();
+  const bool is_asked = connection_.ConsumeShowAgain();
+  connection_.AddressReadersSince(is_asked ? std::chrono::steady_clock::time_point::min() : since);
   ShowRobots(tick, robots);
   connection_.AddressReadersSince(std::nullopt);
-  connection_.Flush();
+  if (!is_asked) return connection_.Flush();
+  connection_.AwaitSent();
+  connection_.ConfirmShown();
 }
 
 void RobotGroup::ShowRobots(Tick tick, std::span<const RobotView* const> robots) {

@@ -34,11 +34,6 @@ std::optional<dds_guid_t> SenderOf(dds_entity_t reader, dds_instance_handle_t pu
   return participant;
 }
 
-// RTPS 2.2, section 9.3.1.1: a GUID begins with the number of the vendor.
-bool IsOfFastDds(const dds_guid_t& participant) {
-  return participant.v[0] == 0x01 && participant.v[1] == 0x0f;
-}
-
 // Whether `writer` matches a reader of the participant.
 bool HasReaderOf(dds_entity_t writer, const dds_guid_t& participant) {
   std::vector<dds_instance_handle_t> subscriptions(64);

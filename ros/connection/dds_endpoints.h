@@ -10,6 +10,7 @@
 #include <dds/dds.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <list>
 #include <mutex>
@@ -27,6 +28,17 @@
 #include "transport/dds/binding/qos.h"
 
 namespace troupe::ros {
+
+// Which implementation of DDS a participant has. RTPS 2.2, section 9.3.1.1: a GUID begins with the number of the vendor.
+inline bool IsOfVendor(const dds_guid_t& participant, std::uint8_t number) {
+  return participant.v[0] == 0x01 && participant.v[1] == number;
+}
+inline bool IsOfCyclone(const dds_guid_t& participant) {
+  return IsOfVendor(participant, 0x10);
+}
+inline bool IsOfFastDds(const dds_guid_t& participant) {
+  return IsOfVendor(participant, 0x0f);
+}
 
 // BestEffortWriters: which of the writers that match a reader are not reliable. A writer may have left when its message
 // is read, so each is noted when it is discovered.

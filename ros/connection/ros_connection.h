@@ -17,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "ros/connection/ros_network.h"
@@ -169,9 +170,12 @@ class RosConnection {
   // Sends the samples written so far, at the latest.
   virtual void Flush() {}
 
-  // From now on writers are wanted only if a reader has come since that time; without one, all that have a reader. For
-  // samples that other readers have already.
-  void AddressReadersSince(std::optional<std::chrono::steady_clock::time_point> time) { readers_since_ = time; }
+  // From now on this thread writes samples again, that readers have already, and writers are wanted only if a reader has
+  // come since that time. Without a time: no longer.
+  void AddressReadersSince(std::optional<std::chrono::steady_clock::time_point> time) {
+    readers_since_ = time;
+    writes_again_.store(time ? std::this_thread::get_id() : std::thread::id(), std::memory_order_relaxed);
+  }
   bool addresses_newcomers() const { return readers_since_.has_value(); }
   bool Addresses(const TopicWriter& writer) const {
     return writer.wanted() && (!readers_since_ || writer.newest_reader() >= *readers_since_);
@@ -185,9 +189,13 @@ class RosConnection {
   void CountLost() { lost_.fetch_add(1, std::memory_order_relaxed); }
   std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 
+ protected:
+  bool writes_again() const { return writes_again_.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
+
  private:
   const Distribution distribution_;
   std::optional<std::chrono::steady_clock::time_point> readers_since_;  // of the thread that writes
+  std::atomic<std::thread::id> writes_again_ = std::thread::id();
   std::atomic<bool> had_reader_ = false;
   std::atomic<std::uint64_t> lost_ = 0;
 };

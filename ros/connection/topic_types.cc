@@ -1,7 +1,10 @@
 #include "ros/connection/topic_types.h"
 
+#include <cstddef>
 #include <initializer_list>
 #include <map>
+#include <set>
+#include <string_view>
 
 namespace troupe::ros {
 namespace {
@@ -19,7 +22,26 @@ Types TypesWith(std::initializer_list<const dds_topic_descriptor_t*> others) {
   return types;
 }
 
+// REQUIRES: T is a struct of C, whose first member stands at its begin.
+template <typename T>
+constexpr bool HasHeaderFirst() {
+  if constexpr (requires(T message) { message.header.stamp.nanosec; }) return offsetof(T, header) == 0;
+  return false;
+}
+
 }  // namespace
+
+bool BeginsWithHeader(const dds_topic_descriptor_t& type) {
+  static const std::set<std::string_view> names = [] {
+    std::set<std::string_view> found;
+#define TROUPE_TYPE(type_of_list) \
+  if (HasHeaderFirst<type_of_list>()) found.insert(type_of_list##_desc.m_typename);
+    TROUPE_ROS_TYPES(TROUPE_TYPE)
+#undef TROUPE_TYPE
+    return found;
+  }();
+  return names.contains(type.m_typename);
+}
 
 const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distribution distribution) {
   static const Types usual = TypesWith({});

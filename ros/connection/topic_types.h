@@ -188,4 +188,7 @@ namespace troupe::ros {
 // the distribution; null: there is none.
 const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distribution distribution);
 
+// Whether messages of a type of this file begin with a std_msgs/Header, and so with the time of what they tell.
+bool BeginsWithHeader(const dds_topic_descriptor_t& type);
+
 }  // namespace troupe::ros

@@ -63,7 +63,7 @@ class HostConnection::Writer final : public TopicWriter {
       }
       // An older held sample must not be sent behind this one.
       owner_.held_.erase(id_);
-      owner_.Send(LinkKind::kWrite, id_, bytes);
+      owner_.Send(owner_.writes_again() && !is_latched_ ? LinkKind::kWriteAgain : LinkKind::kWrite, id_, bytes);
       if (is_latched_) owner_.latched_[id_] = std::move(bytes);
       if (owner_.sending_ == Sending::kAtOnce) owner_.FlushNow();
       return true;
@@ -263,14 +263,20 @@ void HostConnection::AwaitSent() {
   }
 }
 
+void HostConnection::ConfirmShown() {
+  const std::lock_guard lock(mutex_);
+  Send(LinkKind::kShown, kNothing);
+  FlushNow();
+}
+
 void HostConnection::WatchTopics(std::function<void()> changed) {
   const std::lock_guard lock(changing_);
   changed_ = std::move(changed);
 }
 
-std::uint32_t HostConnection::Watch(const std::string& topic) {
+std::uint32_t HostConnection::Watch(const std::string& watched) {
   const std::lock_guard lock(mutex_);
-  const std::uint32_t watch = Make({.kind = MadeKind::kWatch, .name = topic});
+  const std::uint32_t watch = Make({.kind = MadeKind::kWatch, .name = watched});
   FlushNow();
   return watch;
 }
@@ -295,15 +301,23 @@ void HostConnection::Collect() {
   Send(LinkKind::kCollect, 0);
 }
 
-void HostConnection::Tell(const TopicWriter& writer, const void* header, const TopicReader& answers) {
+void HostConnection::Tell(const TopicWriter& writer, const void* header, const TopicReader& answers,
+                          const std::set<std::uint32_t>& awaited) {
   const auto& of_connection = static_cast<const Writer&>(writer);
   const std::lock_guard lock(mutex_);
   newest_tell_ = {of_connection.id(), wire::SampleToCdr(header, of_connection.type())};
+  newest_awaited_ = ToBytes(awaited);
   answers_ = static_cast<const Reader&>(answers).id();
   ++tells_;
   watched_.is_told = false;
-  Send(LinkKind::kTell, newest_tell_.first, newest_tell_.second);
+  watched_.held_for.reset();
+  SendTell();
   FlushNow();
+}
+
+void HostConnection::SendTell() {
+  Send(LinkKind::kAwait, 0, newest_awaited_);
+  Send(LinkKind::kTell, newest_tell_.first, newest_tell_.second);
 }
 
 HostConnection::Watched HostConnection::watched() {
@@ -365,8 +379,10 @@ bool HostConnection::Open() {
   const std::lock_guard lock(mutex_);
   link_ = std::move(link);
   broken_ = false;
+  must_show_again_ = false;
   watched_.timed.clear();
-  Send(LinkKind::kHello, 0, BytesOf(ToText(HelloText{VersionText(), domain_})));
+  watched_.held_for.reset();
+  Send(LinkKind::kHello, 0, BytesOf(ToText(HelloText{VersionText(), domain_, sending_ == Sending::kByFlush})));
   // In the sequence of making: nodes before their endpoints.
   for (const Made& made : made_) Send(LinkKind::kMake, made.id, BytesOf(made.text));
   for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
@@ -376,7 +392,7 @@ bool HostConnection::Open() {
   tells_ = std::min(tells_, 1);
   if (tells_ > 0) {
     Send(LinkKind::kCollect, 0);
-    Send(LinkKind::kTell, newest_tell_.first, newest_tell_.second);
+    SendTell();
   }
   FlushNow();
   return true;
@@ -479,7 +495,11 @@ void HostConnection::Process(const LinkMessage& message) {
     case LinkKind::kArrived:
     case LinkKind::kTimed:
     case LinkKind::kTold:
+    case LinkKind::kHeld:
       return ProcessWatched(message);
+    case LinkKind::kShowAgain:
+      must_show_again_ = true;
+      return;
     default:
       return;
   }
@@ -490,7 +510,12 @@ void HostConnection::ProcessWatched(const LinkMessage& message) {
   if (message.kind == LinkKind::kTold) {
     if (writers_.contains(message.id)) latched_[message.id] = Bytes(message.content.begin(), message.content.end());
     watched_.is_told = --tells_ <= 0;
+    watched_.held_for.reset();
     if (const auto found = readers_.find(answers_); found != readers_.end()) found->second->Forget();
+    return;
+  }
+  if (message.kind == LinkKind::kHeld) {
+    watched_.held_for = ToIds(message.content);
     return;
   }
   if (message.kind == LinkKind::kTimed) {

@@ -35,7 +35,8 @@ namespace troupe::ros {
 
 class HostConnection final : public RosConnection {
  public:
-  // Whether a sample, an endpoint or its end is sent at once, or by Flush with all others since the last one.
+  // Whether a sample, an endpoint or its end is sent at once, or by Flush with all others since the last one. One that
+  // flushes shows ticks: it reacts to ConsumeShowAgain.
   enum class Sending : std::uint8_t { kAtOnce, kByFlush };
 
   // `socket`: the name at which the program listens, or will. Throws std::system_error without resources.
@@ -56,27 +57,35 @@ class HostConnection final : public RosConnection {
   void Flush() override;
   // Waits until all that was written has been passed to the program, or for a second: it may be dead.
   void AwaitSent();
+  // Whether the program has asked since the last call to show the tick again to all readers; then ConfirmShown follows.
+  bool ConsumeShowAgain() { return must_show_again_.exchange(false); }
+  void ConfirmShown();
 
   // `changed` is called on the thread of the connection after messages have arrived: readers may have samples, and
   // watched() may have changed. It replaces the one before; with {} it returns after that one's last call.
   void WatchTopics(std::function<void()> changed);
   // The calls below are for a process whose ticks wait for ROS; WatchTopics comes before them.
-  // Notes messages of any type on the topic ("rt/anna/cmd_vel") from the next Arm on. Returns its id, for Unwatch.
-  std::uint32_t Watch(const std::string& topic);
+  // Notes messages of any type on the topic ("rt/anna/cmd_vel"), or answers of the node ("driver"), from the next Arm on.
+  // Returns its id, for Unwatch.
+  std::uint32_t Watch(const std::string& watched);
   void Unwatch(std::uint32_t watch);
   // From now on messages count for `text`, unless they do already.
   void Arm(const std::string& text);
   // Has all that other processes of this host have passed to the program by now written to ROS.
   void Collect();
-  // Writes a std_msgs/Header by a latched writer of this connection, with the topics as its text that have had messages
-  // since the last one. The reader loses what has arrived before that: it is no answer.
-  void Tell(const TopicWriter& writer, const void* header, const TopicReader& answers);
+  // Writes a std_msgs/Header by a latched writer of this connection, with the topics behind its text that have had
+  // messages since Arm; not before the `awaited` watches, if they have never been heard of, can receive these. The reader
+  // loses what has arrived before that: it is no answer.
+  void Tell(const TopicWriter& writer, const void* header, const TopicReader& answers,
+            const std::set<std::uint32_t>& awaited);
   // The state of these. Lost with the program; then Arm, Collect, Tell and Watch are repeated by the connection.
   struct Watched {
     std::string armed;                // the newest text that the program knows
     std::set<std::uint32_t> arrived;  // watches with a message for that text
     std::set<std::uint32_t> timed;    // watches of topics that a program writes which reads /clock
     bool is_told = false;             // the newest Tell has been performed
+    // Until then: it is held back, if that is known, and the awaited watches without a program.
+    std::optional<std::set<std::uint32_t>> held_for = {};
   };
   Watched watched();
 
@@ -108,6 +117,7 @@ class HostConnection final : public RosConnection {
   std::uint32_t Make(const MadeText& made);
   void Process(const LinkMessage& message);
   void ProcessWatched(const LinkMessage& message);
+  void SendTell();
   void SendHeld();
   void ReceiveNow();
   void FlushNow();
@@ -123,6 +133,7 @@ class HostConnection final : public RosConnection {
   const Sending sending_;
   const WakeEvent wake_;
   std::atomic<bool> stop_ = false;
+  std::atomic<bool> must_show_again_ = false;
   std::mutex executing_;  // held while a handler runs, and by the end of a service
   std::mutex changing_;   // guards the one below, and is held while it runs
   std::function<void()> changed_;
@@ -143,6 +154,7 @@ class HostConnection final : public RosConnection {
   std::string arm_;                              // the newest
   int tells_ = 0;                                // calls of Tell that are not answered yet
   std::pair<std::uint32_t, Bytes> newest_tell_;  // its writer and content
+  Bytes newest_awaited_;                         // of that
   std::uint32_t answers_ = 0;                    // its reader
   Watched watched_;
   std::thread thread_;  // last, because it uses all other members

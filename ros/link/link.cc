@@ -113,6 +113,25 @@ bool Link::ReadArrived() {
   return true;
 }
 
+std::vector<std::byte> ToBytes(const std::set<std::uint32_t>& ids) {
+  std::vector<std::byte> bytes(ids.size() * sizeof(std::uint32_t));
+  std::byte* at = bytes.data();
+  for (const std::uint32_t id : ids) {
+    std::memcpy(at, &id, sizeof id);
+    at += sizeof id;
+  }
+  return bytes;
+}
+
+std::set<std::uint32_t> ToIds(std::span<const std::byte> bytes) {
+  std::set<std::uint32_t> ids;
+  for (std::uint32_t id = 0; bytes.size() >= sizeof id; bytes = bytes.subspan(sizeof id)) {
+    std::memcpy(&id, bytes.data(), sizeof id);
+    ids.insert(id);
+  }
+  return ids;
+}
+
 std::string ToText(const HelloText& hello) {
   return JsonText(FieldsToJson<json>(hello));
 }

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <cstring>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,11 +36,14 @@ enum class LinkKind : std::uint8_t {
   kRemove,    // what was made has ended
   kAnnounce,  // lists the agent's nodes and endpoints as they are now: each time the list of the whole host is sent
   kWrite,     // a sample of a writer, or a response of a service, as CDR
+  kWriteAgain,  // of a writer: a sample of the tick that the agent has shown already, for late readers
+  kShown,       // the answer to kShowAgain: the tick has been written again
   // Of a process whose ticks wait for ROS (TopicWatch).
   kArm,      // any text: the next message on each watched topic is to be told, unless that was done for this text
   kCollect,  // performs all that the other agents of the domain have sent
-  kTell,     // a std_msgs/Header as CDR: writes it with the topics as its text that have had messages since kArm or the
-             // last one: "/anna/scan:1 /tf:2"; the answer is kTold
+  kTell,     // a std_msgs/Header as CDR: writes it with the topics behind its text that have had messages since kArm:
+             // "/anna/scan:1 /tf:2"; the answer is kTold, perhaps after kHeld
+  kAwait,    // before kTell: the ids of the watches that the tick waits for, 4 bytes each
   // To the agent.
   kMatched,   // of a writer: a MatchedContent; of a reader: it needs another one for best-effort writers
   kSample,    // of a reader, or a request of a service, as CDR
@@ -50,6 +54,8 @@ enum class LinkKind : std::uint8_t {
   kTimed,     // of a watch: a program that writes on the topic reads /clock; with the content kNotTimed: none does any
               // more
   kTold,      // of a writer: the sample of kTell that was written, as CDR
+  kHeld,      // the tick of kTell is held back until nodes can receive it; the ids of watches without a program
+  kShowAgain,  // the tick is to be shown again, to all readers; the answer is kShown
   // Of the side on Fast DDS.
   kServed,  // a ServedContent: of a service
 };
@@ -70,6 +76,11 @@ struct ServedContent {
   Guid reader{};
   Guid writer{};
 };
+
+// The content of kAwait and of kHeld.
+std::vector<std::byte> ToBytes(const std::set<std::uint32_t>& ids);
+// Any bytes are safe: the ids that fit in.
+std::set<std::uint32_t> ToIds(std::span<const std::byte> bytes);
 
 // The content of kMatched.
 struct MatchedContent {
@@ -102,6 +113,13 @@ class Link {
   template <typename Function>
   bool Receive(const Function& receive) {
     const bool open = ReadArrived();
+    return Deliver(receive) && open;
+  }
+  // The two halves of Receive: the bytes that have arrived, and the calls. A call may call the first of another Link,
+  // and not of this one.
+  bool ReadArrived();
+  template <typename Function>
+  bool Deliver(const Function& receive) {
     std::size_t at = 0;
     for (;;) {
       const std::size_t left = received_.size() - at;
@@ -115,7 +133,7 @@ class Link {
       at += sizeof header + header.size;
     }
     received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(at));
-    return open;
+    return true;
   }
 
  private:
@@ -125,7 +143,6 @@ class Link {
     std::uint32_t id = 0;
   };
 
-  bool ReadArrived();
   void DropSent();
 
   const int descriptor_;
@@ -142,11 +159,13 @@ class Link {
 struct HelloText {
   std::string version;
   std::uint32_t domain = 0;  // of its nodes and endpoints
+  bool shows_ticks = false;  // it answers kShowAgain
 
   static constexpr auto Fields() {
     return std::tuple{
         Field{"version", &HelloText::version},
         Field{"domain", &HelloText::domain},
+        Field{"shows_ticks", &HelloText::shows_ticks},
     };
   }
 };
@@ -156,7 +175,7 @@ enum class MadeKind : std::uint8_t {
   kWriter,  // one of log lines is listed as a writer of all nodes of the agent
   kReader,
   kService,
-  kWatch,  // of a topic, for messages of any type
+  kWatch,  // of a topic, for messages of any type; or of a node that answers by this name
   // Of participants that have another distribution, and of another run in the domain (RosParticipant): this agent gets
   // the lines for the log.
   kDistributionWatch,

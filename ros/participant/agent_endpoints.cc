@@ -21,26 +21,27 @@ constexpr std::size_t kMaxPending = std::size_t{4} << 20;
 // For which an endpoint of an agent that has ended waits for the next one: the time of an edit, or of the restart of an
 // agent.
 constexpr auto kKept = std::chrono::seconds(2);
-constexpr auto kKeptWithCalls = std::chrono::seconds(30);  // a service whose clients wait
+// Of a service whose clients wait; and where ticks wait, because nodes that discover others would lose messages.
+constexpr auto kKeptForWaiting = std::chrono::seconds(30);
 
-std::chrono::seconds KeptTime(const ReusableService& service) {
-  return service.has_unanswered() ? kKeptWithCalls : kKept;
+bool HasWaiting(const ReusableService& service) {
+  return service.has_unanswered();
 }
 template <typename Endpoint>
-std::chrono::seconds KeptTime(const Endpoint&) {
-  return kKept;
+bool HasWaiting(const Endpoint&) {
+  return false;
 }
 
 template <typename Used, typename Pool>
-void Retire(Used& used, Pool& pool) {
+void Retire(Used& used, Pool& pool, bool ticks_wait) {
   used.endpoint->Detach();
-  const auto until = std::chrono::steady_clock::now() + KeptTime(*used.endpoint);
-  pool.Keep(std::move(used.text), std::move(used.endpoint), until);
+  const auto time = ticks_wait || HasWaiting(*used.endpoint) ? kKeptForWaiting : kKept;
+  pool.Keep(std::move(used.text), std::move(used.endpoint), std::chrono::steady_clock::now() + time);
 }
 
 template <typename Endpoints, typename Pool>
-void RetireAll(Endpoints& endpoints, Pool& pool) {
-  for (auto& [id, used] : endpoints) Retire(used, pool);
+void RetireAll(Endpoints& endpoints, Pool& pool, bool ticks_wait) {
+  for (auto& [id, used] : endpoints) Retire(used, pool, ticks_wait);
   endpoints.clear();
 }
 
@@ -48,7 +49,7 @@ template <typename Endpoints, typename Pool>
 void RetireOne(Endpoints& endpoints, std::uint32_t id, Pool& pool) {
   const auto found = endpoints.find(id);
   if (found == endpoints.end()) return;
-  Retire(found->second, pool);
+  Retire(found->second, pool, false);
   endpoints.erase(found);
 }
 
@@ -56,14 +57,6 @@ void RetireOne(Endpoints& endpoints, std::uint32_t id, Pool& pool) {
 std::string TextForAll(MadeText endpoint) {
   endpoint.node = kNothing;
   return ToText(endpoint);
-}
-
-// "/scan" for "rt/scan"; empty for what nodes wait for in no case.
-std::string TopicToTell(const std::string& on_dds) {
-  if (!on_dds.starts_with("rt/")) return {};
-  std::string topic = on_dds.substr(2);
-  if (topic == "/clock" || topic == "/rosout" || topic == "/parameter_events") topic.clear();
-  return topic;
 }
 
 std::string TextOf(std::span<const std::byte> bytes) {
@@ -81,17 +74,34 @@ void HostDomain::ServeCycloneIfFound() {
   announce_at = Time::clock::now();
 }
 
+void HostDomain::BeginRound(const std::string& text) {
+  if (gate->Arm(text)) {
+    const std::string series = text.substr(0, text.rfind(' '));
+    const bool is_new_run = std::exchange(frame_series, series) != series;
+    for (AgentEndpoints* const agent : agents) agent->BeginRound(is_new_run);
+    pools.readers.VisitAll([is_new_run](ReusableReader& reader) { reader.BeginRound(is_new_run); });
+  }
+  watch->Arm(text);
+}
+
+void AgentEndpoints::BeginRound(bool is_new_run) {
+  for (const auto& [id, reader] : readers_) reader.endpoint->BeginRound(is_new_run);
+}
+
 AgentEndpoints::AgentEndpoints(Join join, int connection, std::function<void()> wake)
     : join_(std::move(join)), link_(connection), wake_(std::move(wake)) {}
 
 AgentEndpoints::~AgentEndpoints() {
   if (domain_ == nullptr) return;
-  RetireAll(writers_, domain_->pools.writers);
+  const bool ticks_wait = domain_->gate.has_value();
+  RetireAll(writers_, domain_->pools.writers, ticks_wait);
   for (const auto& [id, reader] : readers_) domain_->readers.Remove(reader.endpoint->topic());
-  RetireAll(readers_, domain_->pools.readers);
-  RetireAll(services_, domain_->pools.services);
+  RetireAll(readers_, domain_->pools.readers, ticks_wait);
+  RetireAll(services_, domain_->pools.services, ticks_wait);
   for (const auto& [id, node] : nodes_) domain_->participant.RemoveNode(node);
+  if (domain_->gate) domain_->gate->Remove(*this);
   if (domain_->watch) domain_->watch->RemoveAll(this);
+  if (domain_->waiting == this) domain_->waiting = nullptr;
   domain_->agents.erase(this);
 }
 
@@ -100,15 +110,28 @@ void AgentEndpoints::ServeCyclone() {
 }
 
 bool AgentEndpoints::Process() {
-  const bool open = link_.Receive([this](const LinkMessage& message) {
+  bool is_open = link_.ReadArrived();
+  // The text of a tick is sent before its agents see the tick: so it is known here before their messages of the tick,
+  // which have all been read by now.
+  AgentEndpoints* const waiting = domain_ != nullptr ? domain_->waiting : nullptr;
+  if (waiting != nullptr && waiting != this) waiting->ProcessUnread();
+  is_processing_ = true;
+  is_open = link_.Deliver([this](const LinkMessage& message) {
     if (!problem_.empty()) return;
     try {
       Perform(message);
     } catch (const dds::Exception& exception) {
       Refuse(exception.what());
     }
-  });
-  return link_.Flush() && open && problem_.empty();
+  }) && is_open;
+  is_processing_ = false;
+  return link_.Flush() && is_open && problem_.empty();
+}
+
+void AgentEndpoints::ProcessUnread() {
+  int unread = 0;
+  while (!is_processing_ && Process() && ioctl(link_.descriptor(), FIONREAD, &unread) == 0 && unread > 0) {
+  }
 }
 
 bool AgentEndpoints::ConsumeAnnouncement() {
@@ -138,6 +161,7 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       }
       domain_ = &join_(hello.value().domain);
       domain_->agents.insert(this);
+      shows_ticks_ = hello.value().shows_ticks;
       return;
     }
     case LinkKind::kMake: {
@@ -151,12 +175,18 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       must_announce_ = true;
       return;
     case LinkKind::kWrite:
+    case LinkKind::kWriteAgain:
       return Write(message);
+    case LinkKind::kShown:
+      if (domain_->gate) domain_->gate->OnShown(*this);
+      return;
     case LinkKind::kArm:
-      if (domain_->armed != TextOf(message.content)) domain_->written.clear();
-      domain_->armed = TextOf(message.content);
-      if (domain_->watch) domain_->watch->Arm(*domain_->armed);
+      PrepareToWait();
+      domain_->BeginRound(TextOf(message.content));
       return Send(LinkKind::kArrived, kNothing, message.content);
+    case LinkKind::kAwait:
+      awaited_ = ToIds(message.content);
+      return;
     case LinkKind::kCollect:
       return Collect();
     case LinkKind::kTell:
@@ -166,10 +196,17 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
   }
 }
 
-void AgentEndpoints::Watch(std::uint32_t id, const std::string& topic) {
-  if (!domain_->watch) domain_->watch.emplace(domain_->participant, domain_->readers, wake_);
+void AgentEndpoints::PrepareToWait() {
+  domain_->waiting = this;
+  if (domain_->gate) return;
+  domain_->watch.emplace(domain_->participant, domain_->readers, wake_);
+  domain_->gate.emplace(domain_->participant, *domain_->watch);
+}
+
+void AgentEndpoints::Watch(std::uint32_t id, const std::string& watched) {
+  PrepareToWait();
   domain_->watch->Add(
-      this, id, topic,
+      this, id, watched,
       {.on_arrival = [this,
                       id](const std::string& text) { Send(LinkKind::kArrived, id, std::as_bytes(std::span(text))); },
        .on_timed =
@@ -184,9 +221,7 @@ void AgentEndpoints::Collect() {
   const std::set<AgentEndpoints*> agents = domain_->agents;
   for (AgentEndpoints* const agent : agents) {
     if (agent == this) continue;
-    int unread = 0;
-    while (ioctl(agent->link_.descriptor(), FIONREAD, &unread) == 0 && unread > 0 && agent->Process()) {
-    }
+    agent->ProcessUnread();
     must_announce_ = agent->ConsumeAnnouncement() || must_announce_;
   }
 }
@@ -198,17 +233,35 @@ void AgentEndpoints::Tell(const LinkMessage& message) {
   const wire::UntypedSample sample(type);
   const Status decoded = wire::SampleFromCdr(message.content, type, sample.data());
   if (!decoded.ok()) return Refuse(decoded.error().message);
-  std::string topics;
-  for (const auto& [on_dds, count] : std::exchange(domain_->written, {})) {
-    const std::string topic = TopicToTell(on_dds);
-    if (!topic.empty()) topics += fmt::format("{}{}:{}", topics.empty() ? "" : " ", topic, count);
-  }
+  PrepareToWait();
+  const Header& header = *static_cast<const Header*>(sample.data());
+  domain_->gate->Tell(*this, {message.id, header.stamp.sec, header.stamp.nanosec, dds::Text(header.frame_id)}, awaited_);
+}
+
+void AgentEndpoints::Announce(const TickGate::Announcement& announcement, const std::string& topics) {
+  const auto found = writers_.find(announcement.writer);
+  if (found == writers_.end()) return;
   dds::WireArena arena;
-  Header header = *static_cast<const Header*>(sample.data());
+  Header header{};
+  header.stamp = {announcement.seconds, announcement.nanoseconds};
   header.frame_id = arena.Copy(topics);
   // First, because an answer may arrive at once.
-  Send(LinkKind::kTold, message.id, wire::SampleToCdr(&header, type));
+  Send(LinkKind::kTold, announcement.writer, wire::SampleToCdr(&header, found->second.endpoint->type()));
   if (!found->second.endpoint->writer().Write(&header)) domain_->participant.CountLost();
+}
+
+void AgentEndpoints::SendHeld(const std::set<std::uint32_t>& absent) {
+  Send(LinkKind::kHeld, kNothing, ToBytes(absent));
+}
+
+std::set<AgentEndpoints*> AgentEndpoints::AskToShow() {
+  std::set<AgentEndpoints*> asked;
+  for (AgentEndpoints* const agent : domain_->agents) {
+    if (!agent->shows_ticks_) continue;
+    agent->Send(LinkKind::kShowAgain, kNothing);
+    asked.insert(agent);
+  }
+  return asked;
 }
 
 void AgentEndpoints::Make(std::uint32_t id, const MadeText& made) {
@@ -261,6 +314,8 @@ void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const MadeTe
   writer->Attach(node, [this, id](bool wanted, bool is_new) {
     const MatchedContent content = {wanted, is_new};
     Send(LinkKind::kMatched, id, std::as_bytes(std::span(&content, 1)));
+    // Behind kMatched, so that an agent that is asked to show its tick knows of the reader.
+    if (is_new && domain_->gate) domain_->gate->NoteReader();
   });
   if (made.qos.kind == TopicQos::Kind::kLogLines) {
     logs_.insert(id);
@@ -280,9 +335,9 @@ void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const MadeTe
   if (!reader) {
     reader = std::make_unique<ReusableReader>(domain_->participant, TopicSpec{made.name, type, made.qos}, made.part);
   }
-  reader->Attach(node, {[this, id, type, topic = made.name](const void* sample) {
-                          Send(LinkKind::kSample, id, wire::SampleToCdr(sample, *type));
-                          domain_->readers.Note(topic);
+  reader->Attach(node, {[this, id, topic = made.name](std::span<const std::byte> sample, bool is_again) {
+                          Send(LinkKind::kSample, id, sample);
+                          if (!is_again) domain_->readers.Note(topic);
                         },
                         [this, id] { Send(LinkKind::kMatched, id); }});
   readers_[id] = {std::move(text), std::move(reader)};
@@ -306,20 +361,27 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const MadeT
 }
 
 void AgentEndpoints::Write(const LinkMessage& message) {
-  const auto writer = writers_.find(message.id);
+  const bool is_again = message.kind == LinkKind::kWriteAgain;
+  if (const auto writer = writers_.find(message.id); writer != writers_.end()) {
+    if (!domain_->gate) return WriteSample(message.id, message.content);
+    return domain_->gate->Write(*this, message.id, *writer->second.endpoint, message.content, is_again);
+  }
   const auto service = services_.find(message.id);
-  const bool is_sample = writer != writers_.end();
-  if (!is_sample && service == services_.end()) return Refuse("found a sample of no writer or service");
-  const dds_topic_descriptor_t& type =
-      is_sample ? writer->second.endpoint->type() : service->second.endpoint->response();
-  const wire::UntypedSample sample(type);
-  const Status decoded = wire::SampleFromCdr(message.content, type, sample.data());
+  if (service == services_.end() || is_again) return Refuse("found a sample of no writer or service");
+  const wire::UntypedSample sample(service->second.endpoint->response());
+  const Status decoded = wire::SampleFromCdr(message.content, service->second.endpoint->response(), sample.data());
   if (!decoded.ok()) return Refuse(decoded.error().message);
-  const bool is_written = is_sample ? writer->second.endpoint->writer().Write(sample.data())
-                                    : service->second.endpoint->Respond(sample.data(), message.content);
-  if (!is_written) domain_->participant.CountLost();
-  // Counted even if DDS refused the sample: a node that waits for it then reports what is missing.
-  if (is_sample && domain_->armed) ++domain_->written[writer->second.endpoint->topic()];
+  if (!service->second.endpoint->Respond(sample.data(), message.content)) domain_->participant.CountLost();
+}
+
+void AgentEndpoints::WriteSample(std::uint32_t id, std::span<const std::byte> bytes) {
+  const auto found = writers_.find(id);
+  if (found == writers_.end()) return;
+  ReusableWriter& writer = *found->second.endpoint;
+  const wire::UntypedSample sample(writer.type());
+  const Status decoded = wire::SampleFromCdr(bytes, writer.type(), sample.data());
+  if (!decoded.ok()) return Refuse(decoded.error().message);
+  if (!writer.writer().Write(sample.data())) domain_->participant.CountLost();
 }
 
 const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {

@@ -23,6 +23,7 @@
 #include "ros/link/link.h"
 #include "ros/participant/cyclone_programs.h"
 #include "ros/participant/reusable_endpoints.h"
+#include "ros/participant/tick_gate.h"
 #include "ros/participant/topic_watch.h"
 
 namespace troupe::ros {
@@ -90,6 +91,9 @@ struct HostDomain {
     }
   }
 
+  // Arms the gate and the watch with the text of a tick. REQUIRES: they exist.
+  void BeginRound(const std::string& text);
+
   // Serves clients on Cyclone DDS, too, once the domain has a program on it. Until then nothing on Cyclone stands
   // beside the services on Fast DDS: clients on Fast DDS from 2.14.6 and 3.2.3 on would match both, and could send a
   // first call to the one that does not understand it. Throws dds::Exception.
@@ -104,10 +108,11 @@ struct HostDomain {
   EndpointPools pools;
   std::set<AgentEndpoints*> agents;
   TopicReaders readers;                          // of agents
-  std::optional<TopicWatch> watch;               // once an agent watches topics
-  std::optional<std::string> armed;              // the text of the newest kArm; none: no messages are counted
-  std::map<std::string, std::uint64_t> written;  // messages by topic, since that and since the last kTell
-  bool has_new_readers = false;                  // since the last check
+  std::optional<TopicWatch> watch;               // once ticks of the domain wait, as the two below
+  std::optional<TickGate> gate;
+  AgentEndpoints* waiting = nullptr;  // the agent whose ticks wait; null: it has ended
+  std::string frame_series;           // of the text: the run and the edition, all but the tick
+  bool has_new_readers = false;       // since the last check
   Time announce_at = Time::max();                // the nodes have changed
   std::optional<Time> unused_until = {};         // it ends then; none: it has agents
 };
@@ -145,6 +150,18 @@ class AgentEndpoints {
   // A line for the agent's log.
   void Report(const std::string& line);
 
+  // Of its readers.
+  void BeginRound(bool is_new_run);
+
+  // Calls of the TickGate.
+  // Writes a sample of one of its writers, if that still exists.
+  void WriteSample(std::uint32_t id, std::span<const std::byte> bytes);
+  // Writes /world/tick with this list of topics.
+  void Announce(const TickGate::Announcement& announcement, const std::string& topics);
+  void SendHeld(const std::set<std::uint32_t>& absent);
+  // Asks the agents of the domain that show ticks to show theirs again; returns them.
+  std::set<AgentEndpoints*> AskToShow();
+
  private:
   // With the text by which another agent finds it.
   template <typename Endpoint>
@@ -156,9 +173,12 @@ class AgentEndpoints {
   using ById = std::map<std::uint32_t, Used<Endpoint>>;
 
   void Perform(const LinkMessage& message);
-  void Watch(std::uint32_t id, const std::string& topic);
+  void Watch(std::uint32_t id, const std::string& watched);
+  void PrepareToWait();
   // Performs what the other agents have sent by now.
   void Collect();
+  // Performs what has been sent by now, unless it is being performed.
+  void ProcessUnread();
   void Tell(const LinkMessage& message);
   void Make(std::uint32_t id, const MadeText& made);
   void MakeNode(std::uint32_t id, const std::string& name);
@@ -180,6 +200,9 @@ class AgentEndpoints {
   std::string problem_;
   bool must_announce_ = false;
   bool watches_distributions_ = false;
+  bool shows_ticks_ = false;
+  bool is_processing_ = false;
+  std::set<std::uint32_t> awaited_;  // watches, of the next Tell
   std::map<std::uint32_t, std::size_t> nodes_;  // of the participant
   ById<ReusableWriter> writers_;
   std::set<std::uint32_t> logs_;  // the writers of log lines

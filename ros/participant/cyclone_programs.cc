@@ -3,15 +3,11 @@
 #include <string_view>
 #include <utility>
 
+#include "ros/connection/dds_endpoints.h"
 #include "transport/dds/binding/loaned_samples.h"
 
 namespace troupe::ros {
 namespace {
-
-// RTPS 2.2, section 9.3.1.1: a GUID begins with the number of the vendor.
-bool IsOfCyclone(const dds_guid_t& guid) {
-  return guid.v[0] == 0x01 && guid.v[1] == 0x10;
-}
 
 bool IsOfARun(const dds_qos_t* qos) {
   void* bytes = nullptr;

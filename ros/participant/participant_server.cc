@@ -81,6 +81,7 @@ void ParticipantServer::Run() {
         for (const auto& [connection, agent] : agents_) WatchOutput(connection, *agent);
         for (auto& [number, domain] : domains_) {
           if (domain.watch) domain.watch->Update();
+          UpdateGate(domain);
           ServeCycloneIfFound(domain);
         }
       } else {
@@ -90,6 +91,9 @@ void ParticipantServer::Run() {
     AnnounceIfDue();
     CheckIfDue();
     ProcessFastDds();
+    for (auto& [number, domain] : domains_) {
+      if (domain.gate && domain.gate->due() && *domain.gate->due() <= Clock::now()) UpdateGate(domain);
+    }
     if (serving_ == Serving::kWhileUsed && IsUnused()) return;
   }
 }
@@ -99,6 +103,15 @@ void ParticipantServer::ServeCycloneIfFound(HostDomain& domain) {
     domain.ServeCycloneIfFound();
   } catch (const dds::Exception& exception) {
     report_(std::string("serving clients on Cyclone DDS: ") + exception.what());
+  }
+}
+
+void ParticipantServer::UpdateGate(HostDomain& domain) {
+  if (!domain.gate) return;
+  try {
+    domain.gate->Update();
+  } catch (const dds::Exception& exception) {
+    report_(std::string("showing a tick to nodes: ") + exception.what());
   }
 }
 
@@ -246,7 +259,10 @@ void ParticipantServer::PassMismatches(HostDomain& domain) {
 int ParticipantServer::WaitMilliseconds() const {
   Clock::time_point next = check_at_;
   if (fast_dds_ && fast_dds_->due()) next = std::min(next, *fast_dds_->due());
-  for (const auto& [number, domain] : domains_) next = std::min(next, domain.announce_at);
+  for (const auto& [number, domain] : domains_) {
+    next = std::min(next, domain.announce_at);
+    if (domain.gate && domain.gate->due()) next = std::min(next, *domain.gate->due());
+  }
   const auto left = next - Clock::now();
   // Rounded up: a wait that ends a part of a millisecond early would turn in a loop.
   return std::max(0, static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(left).count()) + 1);

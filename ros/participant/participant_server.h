@@ -60,6 +60,7 @@ class ParticipantServer {
   void PassMismatches(HostDomain& domain);
   void ProcessFastDds();
   void ServeCycloneIfFound(HostDomain& domain);
+  void UpdateGate(HostDomain& domain);
   bool IsUnused() const;
   void PassLastSamples();
   int WaitMilliseconds() const;

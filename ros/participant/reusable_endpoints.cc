@@ -70,6 +70,8 @@ void ReusableWriter::Detach() {
 ReusableReader::ReusableReader(RosParticipant& participant, const TopicSpec& spec, Part part)
     : participant_(participant),
       topic_(spec.topic),
+      type_(*spec.type),
+      depth_(static_cast<std::size_t>(spec.qos.depth)),
       part_(part),
       reader_(participant, spec, part,
               {[this] { Pass(); },
@@ -83,8 +85,9 @@ void ReusableReader::Attach(std::size_t node, Sink sink) {
   {
     const std::lock_guard lock(mutex_);
     // Samples for the agent before, such as a command from before a reset, are not for this one.
-    if (std::exchange(used_, true)) reader_.Drain([](const void*) {});
+    if (std::exchange(used_, true) && round_ == 0) reader_.Drain([](const void*) {});
     sink_ = std::move(sink);
+    for (const Kept& kept : kept_) sink_->on_sample(kept.sample, true);
     if (reader_.missed_writer()) sink_->on_missed_writer();
   }
   Pass();
@@ -96,9 +99,23 @@ void ReusableReader::Detach() {
   sink_.reset();
 }
 
+void ReusableReader::BeginRound(bool is_new_run) {
+  const std::lock_guard lock(mutex_);
+  ++round_;
+  std::erase_if(kept_, [&](const Kept& kept) { return is_new_run || kept.round + 1 < round_; });
+  if (is_new_run && !sink_) reader_.Drain([](const void*) {});
+}
+
 void ReusableReader::Pass() {
   const std::lock_guard lock(mutex_);
-  if (sink_) reader_.Drain(sink_->on_sample);
+  if (!sink_ && round_ == 0) return;
+  reader_.Drain([this](const void* sample) {
+    std::vector<std::byte> bytes = wire::SampleToCdr(sample, type_);
+    if (sink_) sink_->on_sample(bytes, false);
+    if (round_ == 0) return;
+    kept_.push_back({round_, std::move(bytes)});
+    if (kept_.size() > depth_) kept_.pop_front();
+  });
 }
 
 ReusableService::ReusableService(RosParticipant& participant, const ServiceSpec& spec, std::uint32_t domain,

@@ -98,6 +98,7 @@ class ReusableWriter {
 
   const dds_topic_descriptor_t& type() const { return type_; }
   const std::string& topic() const { return topic_; }
+  bool is_volatile() const { return is_volatile_; }
   // REQUIRES: attached.
   DdsTopicWriter& writer() { return writer_; }
 
@@ -115,27 +116,40 @@ class ReusableWriter {
 class ReusableReader {
  public:
   struct Sink {
-    std::function<void(const void* sample)> on_sample;
+    // `is_again`: an agent before had the sample.
+    std::function<void(std::span<const std::byte> sample, bool is_again)> on_sample;  // CDR
     std::function<void()> on_missed_writer;
   };
 
   ReusableReader(RosParticipant& participant, const TopicSpec& spec, Part part);
 
-  // Passes the samples on that arrive from now on, or since the constructor.
+  // Passes the samples on that arrive from now on, or since the constructor; and those that are kept.
   void Attach(std::size_t node, Sink sink);
   void Detach();
+  // Samples are kept from now on for the next agent, which has to apply those that the one before has lost: of this round
+  // of a wait and of the one before. `is_new_run`: what is kept is not for the next rounds.
+  void BeginRound(bool is_new_run);
 
   const std::string& topic() const { return topic_; }
 
  private:
+  struct Kept {
+    std::uint64_t round;
+    std::vector<std::byte> sample;
+  };
+
   void Pass();
 
   RosParticipant& participant_;
   const std::string topic_;
+  const dds_topic_descriptor_t& type_;
+  const std::size_t depth_;
   const Part part_;
-  std::mutex mutex_;  // guards the two below
+  std::mutex mutex_;  // guards all below but the last
   std::optional<Sink> sink_;
-  bool used_ = false;  // was attached
+  bool used_ = false;        // was attached
+  std::uint64_t round_ = 0;  // 0: nothing is kept
+  std::deque<Kept> kept_;
   DdsTopicReader reader_;
 };
 

@@ -1,19 +1,28 @@
 #include "ros/participant/topic_watch.h"
 
-#include <string_view>
+#include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "ros/connection/dds_endpoints.h"
 #include "ros/connection/ros_network.h"
+#include "ros/connection/topic_types.h"
 #include "ros/messages/messages.h"
+#include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/loaned_samples.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe::ros {
 namespace {
 
 constexpr std::int32_t kDepth = 10;
 constexpr std::string_view kClockTopic = "rt/clock";
+constexpr const char* kAnswerTopic = "rt/world/tick_done";
+constexpr std::string_view kParameterRequests = "/get_parametersRequest";
+
+// The topic on which a watch hears its messages.
+std::string TopicOf(const std::string& watched) {
+  return TopicWatch::IsNode(watched) ? kAnswerTopic : watched;
+}
 
 }  // namespace
 
@@ -56,6 +65,38 @@ struct TopicWatch::AnyReader {
   dds::Entity reader;
 };
 
+// Of the answers of nodes.
+struct TopicWatch::AnswerReader {
+  AnswerReader(const RosParticipant& participant,
+               std::function<void(const std::string& node, dds_instance_handle_t writer)> on_answer)
+      : notify(std::move(on_answer)),
+        topic(participant.participant(), kAnswerTopic),
+        reader(participant.subscriber(), topic,
+               ToDds(Stream(kAnswerDepth)) << TypeUserData<Header>(participant.distribution())) {
+    dds::DataReaderListener listener;
+    listener.on_data_available = [this] { Read(); };
+    reader.set_listener(std::move(listener));
+    Read();
+  }
+
+  void Read() {
+    for (;;) {
+      const auto samples = reader.take();
+      if (samples.empty()) return;
+      for (const auto sample : samples) {
+        if (sample.info().valid()) {
+          notify(std::string(dds::Text(sample.data().frame_id)), sample.info().publication_handle());
+        }
+      }
+    }
+  }
+
+  static constexpr std::int32_t kAnswerDepth = 1000;  // of many nodes
+  const std::function<void(const std::string&, dds_instance_handle_t)> notify;
+  dds::Topic<Header> topic;
+  dds::DataReader<Header> reader;
+};
+
 TopicWatch::TopicWatch(const RosParticipant& participant, TopicReaders& agents, std::function<void()> wake)
     : participant_(participant), agents_(agents), wake_(std::move(wake)) {
   agents_.Observe([this](const std::string& topic) { Note(topic); });
@@ -66,13 +107,18 @@ TopicWatch::~TopicWatch() {
   publications_.close();
   subscriptions_.close();
   readers_.clear();
+  answers_.reset();
 }
 
-void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& topic, Callbacks callbacks) {
+void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& watched, Callbacks callbacks) {
   {
     const std::lock_guard lock(mutex_);
-    if (round_.arrived.contains(topic)) callbacks.on_arrival(round_.text);
-    watches_.emplace(topic, Watch{owner, id, std::move(callbacks)});
+    if (round_.arrived.contains(watched)) callbacks.on_arrival(round_.text);
+    watches_.emplace(watched, Watch{owner, id, std::move(callbacks)});
+  }
+  if (IsNode(watched) && !answers_) {
+    answers_ = std::make_unique<AnswerReader>(
+        participant_, [this](const std::string& node, dds_instance_handle_t writer) { Note(node, writer); });
   }
   // Others show the endpoints that are known already again.
   listener_.on_data_available = wake_;
@@ -85,9 +131,13 @@ void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& top
   };
   follow(publications_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
   follow(subscriptions_, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
-  writers_.clear();
+  const std::map<dds_instance_handle_t, Writer> before = std::exchange(writers_, {});
   of_clock_.clear();
+  parameter_services_.clear();
   Update();
+  for (const auto& [handle, writer] : before) {
+    if (!writers_.contains(handle)) Forget(writer, handle);
+  }
 }
 
 void TopicWatch::Remove(const void* owner, std::uint32_t id) {
@@ -130,8 +180,74 @@ void TopicWatch::Arm(const std::string& text) {
 void TopicWatch::Update() {
   if (publications_.handle() <= 0) return;
   FollowWriters();
-  FollowClockReaders();
+  FollowReaders();
   TellTimed();
+}
+
+bool TopicWatch::IsWatched(const std::string& topic) {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(watches_.begin(), watches_.end(),
+                     [&topic](const auto& watch) { return TopicOf(watch.first) == topic; });
+}
+
+// What its program has written is no sign any more that one is there.
+void TopicWatch::Forget(const Writer& ended, dds_instance_handle_t handle) {
+  const bool has_other = std::any_of(writers_.begin(), writers_.end(),
+                                     [&ended](const auto& writer) { return writer.second.topic == ended.topic; });
+  const std::lock_guard lock(mutex_);
+  std::erase_if(heard_, [&](const auto& heard) {
+    return IsNode(heard.first) ? heard.second == handle : heard.first == ended.topic && !has_other;
+  });
+}
+
+std::size_t TopicWatch::unknown_writers() const {
+  return static_cast<std::size_t>(std::count_if(writers_.begin(), writers_.end(), [this](const auto& writer) {
+    if (writer.second.topic != kAnswerTopic) return false;
+    return std::none_of(heard_.begin(), heard_.end(),
+                        [&writer](const auto& heard) { return heard.second == writer.first; });
+  }));
+}
+
+bool TopicWatch::has_unknown_node() {
+  const std::lock_guard lock(mutex_);
+  return unknown_writers() > 0;
+}
+
+bool TopicWatch::is_all_heard() {
+  const std::lock_guard lock(mutex_);
+  return std::all_of(watches_.begin(), watches_.end(),
+                     [this](const auto& watch) { return heard_.contains(watch.first); });
+}
+
+// Which of the unknown writers will answer under which name shows its first answer: as many nodes are present as there
+// are such writers.
+std::vector<TopicWatch::Unheard> TopicWatch::FindUnheard() {
+  const std::lock_guard lock(mutex_);
+  std::vector<Unheard> unheard;
+  std::set<std::string> nodes;
+  const std::size_t writers = unknown_writers();
+  for (const auto& [watched, watch] : watches_) {
+    if (heard_.contains(watched)) continue;
+    Unheard& added = unheard.emplace_back(Unheard{watch.owner, watch.id, IsNode(watched), false, {}});
+    if (added.is_node) {
+      nodes.insert(watched);
+      added.is_present = nodes.size() <= writers;
+      continue;
+    }
+    for (const auto& [handle, writer] : writers_) {
+      if (writer.topic == watched) added.programs.insert(writer.program);
+    }
+    added.is_present = !added.programs.empty();
+  }
+  return unheard;
+}
+
+std::vector<std::string> TopicWatch::ParameterServicesOf(dds_instance_handle_t program) const {
+  std::vector<std::string> names;
+  for (const auto& [reader, service] : parameter_services_) {
+    if (service.program == program) names.push_back(service.name);
+  }
+  return names;
 }
 
 void TopicWatch::FollowWriters() {
@@ -140,16 +256,16 @@ void TopicWatch::FollowWriters() {
         dds::Loan<dds_builtintopic_endpoint_t>(publications_.handle(), dds_take, "taking discovered writers");
     if (samples.empty()) return;
     for (const auto sample : samples) {
+      changed_at_ = std::chrono::steady_clock::now();
       const dds_instance_handle_t writer = sample.info().instance_handle();
-      if (!sample.info().instance_alive()) writers_.erase(writer);
+      if (!sample.info().instance_alive()) {
+        if (const auto ended = writers_.extract(writer)) Forget(ended.mapped(), writer);
+      }
       if (!sample.info().valid()) continue;
       const std::string topic = sample.data().topic_name;
-      {
-        const std::lock_guard lock(mutex_);
-        if (!watches_.contains(topic)) continue;
-      }
+      if (!IsWatched(topic)) continue;
       if (sample.info().instance_alive()) writers_[writer] = {topic, sample.data().participant_instance_handle};
-      if (!readers_.contains(topic)) MakeReader(sample.data());
+      if (topic != kAnswerTopic && !readers_.contains(topic)) MakeReader(sample.data());
     }
   }
 }
@@ -169,17 +285,28 @@ void TopicWatch::MakeReader(const dds_builtintopic_endpoint_t& writer) {
   }
 }
 
-void TopicWatch::FollowClockReaders() {
+void TopicWatch::FollowReaders() {
   for (;;) {
     const auto samples =
         dds::Loan<dds_builtintopic_endpoint_t>(subscriptions_.handle(), dds_take, "taking discovered readers");
     if (samples.empty()) return;
     for (const auto sample : samples) {
+      changed_at_ = std::chrono::steady_clock::now();
       const dds_instance_handle_t reader = sample.info().instance_handle();
       if (!sample.info().instance_alive()) {
         of_clock_.erase(reader);
-      } else if (sample.info().valid() && std::string_view(sample.data().topic_name) == kClockTopic) {
-        of_clock_[reader] = sample.data().participant_instance_handle;
+        parameter_services_.erase(reader);
+        continue;
+      }
+      if (!sample.info().valid()) continue;
+      const std::string_view topic = sample.data().topic_name;
+      const dds_instance_handle_t program = sample.data().participant_instance_handle;
+      if (topic == kClockTopic) of_clock_[reader] = program;
+      if (topic.starts_with("rq/") && topic.ends_with(kParameterRequests) &&
+          IsOfCyclone(sample.data().participant_key)) {
+        constexpr std::size_t kBegin = 2;  // of "rq/driver/get_parametersRequest"
+        constexpr std::size_t kEnd = std::string_view("Request").size();
+        parameter_services_[reader] = {std::string(topic.substr(kBegin, topic.size() - kBegin - kEnd)), program};
       }
     }
   }
@@ -199,10 +326,12 @@ void TopicWatch::TellTimed() {
   }
 }
 
-void TopicWatch::Note(const std::string& topic) {
+void TopicWatch::Note(const std::string& watched, dds_instance_handle_t writer) {
   const std::lock_guard lock(mutex_);
-  if (round_.text.empty() || !round_.arrived.insert(topic).second) return;
-  const auto [begin, end] = watches_.equal_range(topic);
+  const auto [begin, end] = watches_.equal_range(watched);
+  if (begin == end && IsNode(watched)) return;  // any text
+  if (begin != end) heard_[watched] = writer;
+  if (round_.text.empty() || !round_.arrived.insert(watched).second) return;
   for (auto watch = begin; watch != end; ++watch) watch->second.callbacks.on_arrival(round_.text);
 }
 

@@ -11,10 +11,15 @@
 //
 // A watch tells, too, whether a program that writes on its topic reads /clock: its messages may be those of a timer of
 // simulated time.
+//
+// A watch may be of a node that answers on /world/tick_done by its name, too. Any watch is heard from its first message
+// until the program that wrote it has ended. One that is not heard is `present` once a program could write its first
+// message: TickGate then holds no tick back for it any longer.
 #pragma once
 
 #include <dds/dds.h>
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -22,7 +27,9 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "ros/connection/ros_participant.h"
 #include "transport/dds/binding/domain_participant.h"
@@ -78,8 +85,22 @@ class TopicWatch {
   TopicWatch(const TopicWatch&) = delete;
   TopicWatch& operator=(const TopicWatch&) = delete;
 
-  // From one thread. The owner tells watches of different agents apart.
-  void Add(const void* owner, std::uint32_t id, const std::string& topic, Callbacks callbacks);
+  using Time = std::chrono::steady_clock::time_point;
+  // A watch that is not heard.
+  struct Unheard {
+    const void* owner;
+    std::uint32_t id;
+    bool is_node;
+    bool is_present;
+    std::set<dds_instance_handle_t> programs;  // with a writer on the topic; of a topic only
+  };
+
+  // A watch without a slash is of a node.
+  static bool IsNode(std::string_view watched) { return watched.find('/') == std::string_view::npos; }
+
+  // From one thread, as all below. The owner tells watches of different agents apart. `watched`: a topic
+  // ("rt/anna/cmd_vel"), or the name of a node.
+  void Add(const void* owner, std::uint32_t id, const std::string& watched, Callbacks callbacks);
   void Remove(const void* owner, std::uint32_t id);
   void RemoveAll(const void* owner);
   // The messages that were noted for the text are told, if it is the newest one or the one before.
@@ -87,8 +108,19 @@ class TopicWatch {
   // Follows the writers that have become known or have ended: makes readers of topics whose types are known now.
   void Update();
 
+  std::vector<Unheard> FindUnheard();
+  bool is_all_heard();
+  // Writers of answers whose nodes are not known.
+  bool has_unknown_node();
+  // The names of the services by which a program on Cyclone DDS tells the parameters of its nodes, each from its node's
+  // own thread: "/driver/get_parameters".
+  std::vector<std::string> ParameterServicesOf(dds_instance_handle_t program) const;
+  // When a writer or a reader of the domain has last come or gone.
+  Time changed_at() const { return changed_at_; }
+
  private:
   struct AnyReader;
+  struct AnswerReader;
   struct Watch {
     const void* owner;
     std::uint32_t id;
@@ -103,10 +135,18 @@ class TopicWatch {
     std::string topic;
     dds_instance_handle_t program;
   };
+  struct ParameterService {
+    std::string name;
+    dds_instance_handle_t program;
+  };
 
-  void Note(const std::string& topic);
+  // `writer`: of a node's answer.
+  void Note(const std::string& watched, dds_instance_handle_t writer = DDS_HANDLE_NIL);
   void FollowWriters();
-  void FollowClockReaders();
+  void FollowReaders();
+  bool IsWatched(const std::string& topic);
+  void Forget(const Writer& ended, dds_instance_handle_t handle);
+  std::size_t unknown_writers() const;  // REQUIRES: mutex_ is held
   void MakeReader(const dds_builtintopic_endpoint_t& writer);
   void TellTimed();
   // A process that has died leaves its readers to its successor, which adds its watches before it arms another text.
@@ -116,12 +156,16 @@ class TopicWatch {
   TopicReaders& agents_;
   const std::function<void()> wake_;
   std::map<std::string, std::unique_ptr<AnyReader>> readers_;        // by topic, of the one thread, as those below
+  std::unique_ptr<AnswerReader> answers_;                            // once a node is watched
   std::map<dds_instance_handle_t, Writer> writers_;                  // on watched topics
   std::map<dds_instance_handle_t, dds_instance_handle_t> of_clock_;  // the programs of the readers of /clock
-  std::mutex mutex_;                                                 // guards the three below
+  std::map<dds_instance_handle_t, ParameterService> parameter_services_;
+  Time changed_at_ = std::chrono::steady_clock::now();
+  std::mutex mutex_;  // guards the four below
   Round round_;
   Round previous_;
-  std::multimap<std::string, Watch> watches_;  // by topic
+  std::multimap<std::string, Watch> watches_;             // by topic or node
+  std::map<std::string, dds_instance_handle_t> heard_;    // of a node: its writer
   dds::DataReaderListener listener_;
   dds::Entity publications_;   // a reader of discovered writers
   dds::Entity subscriptions_;  // of discovered readers

@@ -23,6 +23,10 @@ class Failed(Exception):
     pass
 
 
+class Refused(Exception):
+    """With the line of the refusal."""
+
+
 class Program:
     """troupe, for runs in a domain of this test, and the node of ROS 2 (`node`)."""
 

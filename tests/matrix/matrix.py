@@ -14,6 +14,7 @@ import concurrent.futures
 import itertools
 import os
 import pathlib
+import re
 import sys
 import tempfile
 import time
@@ -23,7 +24,7 @@ import live
 import pages
 import views
 import worlds
-from live import Failed, Live, Program, RosNode
+from live import Failed, Live, Program, Refused, RosNode
 from pages import FAILS, NONE, REFUSED, WORKS
 from rows import ACTIONS, INPUTS, MODES, MOVED, RESTORED, ROS, THINGS, TICKS, VIEWS
 
@@ -80,6 +81,8 @@ class Matrix:
         """`work` returns nothing, or the outcome of a pair that does not work."""
         try:
             outcome = work(*arguments) or WORKS
+        except Refused as refusal:
+            outcome = REFUSED + str(refusal)
         except (Failed, AssertionError, OSError, KeyError, ValueError, IndexError, TypeError) as failure:
             text = " ".join(str(failure).split()) or repr(failure)
             self.failures.append(f"{' '.join(first)} x {' '.join(second)}: {text}")
@@ -94,7 +97,7 @@ class Matrix:
         words += [word for option, ending in OUTPUTS if option not in more for word in (option, f"{base}{ending}")]
         words += more
         if not mode.in_process:
-            words += ["--session", f"{base}-{os.getpid()}"]
+            words += ["--session", self.session_of(base)]
         node = RosNode(self.program) if mode.answers else None
         try:
             with self.program.start(*words) as process:
@@ -111,6 +114,10 @@ class Matrix:
         if process.returncode != 0:
             raise Failed(f"troupe {' '.join(map(str, words))}: status {process.returncode}: {text.strip()}")
         return base
+
+    @staticmethod
+    def session_of(base):
+        return re.sub(r"[^A-Za-z0-9._-]", "_", f"{base}-{os.getpid()}")[-64:]
 
     def output(self, base, file="all.json", test="all.test.json"):
         return views.Output(self.program, self.folder, base, file, test)
@@ -223,7 +230,7 @@ class Matrix:
 
     def lines(self, base, mode):
         self.run(f"{base}-lines", "all.json", mode, "--record", f"{base}.jsonl")
-        if mode.same:
+        if mode.same and not mode.kills:  # the lines have the losses, too
             self.same(base, "all", ".jsonl")
 
     def modes_with_modes(self):
@@ -335,9 +342,9 @@ class Matrix:
 
     def things_with_inputs(self):
         """All things that an input has in one file, or with --all each in a file of its own."""
-        def content(source, file):
-            """A function that says whether a thing is there."""
-            base = f"{file}-{source.name.split()[0]}".replace(".", "_")
+        def content(source, file, thing=None):
+            """A function that says whether a thing is there; of a file for one thing, in outputs of its own."""
+            base = f"{file}-{source.name.split()[0]}-{thing.name if thing else ''}".replace(".", "_").replace(" ", "_")
             if source.name == "test":
                 self.program.run("test", file, "--no-shrink")
                 return lambda thing: True
@@ -356,7 +363,7 @@ class Matrix:
             if not made:
                 own = source.name in ("building", "layout (LIF)")
                 ending = "json" if source.name == "recording" else source.file.split(".", 1)[1]
-                made = [content(source, source.file if own else f"{thing.name}.{ending}".replace(" ", "_"))]
+                made = [content(source, source.file if own else f"{thing.name}.{ending}".replace(" ", "_"), thing)]
             assert made[0](thing), "its table has no row"
             return None
 
@@ -371,7 +378,7 @@ class Matrix:
             checks += [(("thing", thing.name), ("input", source.name), one, thing, source, made) for thing in THINGS]
         self.side_by_side(checks)
 
-    def live_run(self, row, file, mode, things, number):
+    def live_run(self, row, file, mode, things, number, actions=ACTIONS):
         """Views and actions of a paused run, which are on the page in row and column of `row`. Returns its hash log."""
         base = f"live{number}"
         lines = number == 1  # with these instead of a recording
@@ -381,7 +388,7 @@ class Matrix:
             ("--from-tick", 0) if file.endswith(".mcap") else ()), "--ticks", 100000, *outputs], f"{base}-{os.getpid()}", mode.kills)
         try:
             before = {view: self.check(row, ("view", view), self.live_view, run, view, things) for view in live.MAKERS}
-            for action in ACTIONS:
+            for action in actions:
                 if action.words:
                     self.do(run, action, row, things)
             after = {view: self.check(row, ("view", view), self.live_view, run, view, things) for view in live.MAKERS}
@@ -390,7 +397,7 @@ class Matrix:
             run.end()
         log = (self.folder / f"{base}.hashes").read_text()
         if things:  # all
-            self.views_of_live_run(base, before, after, lines)
+            self.views_of_live_run(base, before, after, lines, actions)
         if not lines:
             self.check(row, ("view", "replay"), commands.replay, self.program, self.output(base), ONE)
         return log
@@ -401,17 +408,19 @@ class Matrix:
         for thing in things if self.whole or view != "ctl get" else things[::4]:
             self.check(("thing", thing.name), ("view", view), self.thing_in, thing, of, made)
 
-    def views_of_live_run(self, base, before, after, lines):
-        """Of a run with all actions: the views beside it, and those of its files."""
+    def views_of_live_run(self, base, before, after, lines, actions):
+        """Of a run with these actions: the views beside it, and those of its files."""
         output = self.output(base)
         outcomes = dict(after)
+        one = next((action for action in actions if action.edits), actions[0])
         for view in FILES:
             if (view.name == "JSON lines") != lines:
                 continue
-            outcomes[view.name] = self.check(("action", "reset"), ("view", view.name), self.make, output, view.name)
+            outcomes[view.name] = self.check(("action", one.name), ("view", view.name), self.make, output, view.name)
         for name, outcome in outcomes.items():
-            for action in ACTIONS:
-                if action.words or (action.name == "kill" and name in after):
+            for action in actions:
+                # Edits are a reason to refuse a recording, which others have that are in the same run.
+                if (action.words and (action.edits or not outcome.startswith(REFUSED))) or (action.name == "kill" and name in after):
                     self.note(("action", action.name), ("view", name), outcome)
             for other in before:
                 if name != other:
@@ -445,6 +454,8 @@ class Matrix:
         place = {} if thing is None else {"name": self.entity_of(thing), "x": -3, "y": 2 * THINGS.index(thing)}
         words = [word.format(**place) for word in action.words]
         status, text = run.ask(*words)
+        if action.name == "speed" and status == 3 and "realtime" in text:
+            return REFUSED + text.strip()
         if thing is None or {thing.table, thing.name} & set(action.of):
             if status != 0:
                 raise Failed(f"troupe {' '.join(words)}: status {status}: {text.strip()}")
@@ -474,6 +485,10 @@ class Matrix:
         if len({log for name, log in logs.items() if next(mode for mode in MODES if mode.name == name).same}) > 1:
             self.failures.append("actions: the hashes of live runs differ with the mode")
         mode = next(mode for mode in MODES if mode.name == LIVE_MODE)
+        if self.whole:
+            actions = tuple(action for action in ACTIONS if not action.edits)
+            self.check(("mode", mode.name), ("action", "step"), lambda: self.live_run(
+                ("mode", mode.name), "all.json", mode, THINGS, len(MODES) + len(INPUTS), actions) and None)
         for number, source in enumerate(INPUTS, len(MODES)):
             row = ("input", source.name)
             if not source.runs:

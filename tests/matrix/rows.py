@@ -65,10 +65,12 @@ class View:
 @dataclasses.dataclass(frozen=True)
 class Action:
     """A request to a paused run (`words`: of troupe, with {name} of a thing), or what happens to a run as a whole (no words:
-    a function of commands.py). `of`: the tables, or names of rows, of the things that it is for, () for the whole run."""
+    a function of commands.py). `of`: the tables, or names of rows, of the things that it is for, () for the whole run. `edits`:
+    it is an edit of the world."""
     name: str
     words: tuple = ()
     of: tuple = ()
+    edits: bool = False
 
 
 def _box(size, **more):
@@ -226,20 +228,20 @@ MOVED = ("robots", "objects", "people", "stores")
 RESTORED = ("robots", "objects", "stores")
 ACTIONS = (
     Action("step", ("ctl", "step", "5")),
-    Action("set pose", ("ctl", "set-pose", "{name}", "--pose", "{x},{y},0"), MOVED),
-    Action("delete", ("ctl", "delete", "{name}"), MOVED),
-    Action("restore", ("ctl", "restore", "{name}", "--pose", "{x},{y},0"), RESTORED),
+    Action("set pose", ("ctl", "set-pose", "{name}", "--pose", "{x},{y},0"), MOVED, edits=True),
+    Action("delete", ("ctl", "delete", "{name}"), MOVED, edits=True),
+    Action("restore", ("ctl", "restore", "{name}", "--pose", "{x},{y},0"), RESTORED, edits=True),
     Action("goto", ("goto", "{name}", "{x},{y}", "--no-wait"), ("robot with goals",)),
     Action("door", ("ctl", "door", "{name}", "open"), ("doors",)),
     Action("lift", ("ctl", "lift", "{name}", "high"), ("lifts",)),
     Action("light", ("ctl", "light", "{name}", "off"), ("lights",)),
-    Action("reset", ("ctl", "reset")),
+    Action("reset", ("ctl", "reset"), edits=True),
     Action("speed", ("ctl", "speed", "max")),
-    Action("spawn", ("ctl", "spawn", "position", "--name", "late", "--pose", "-4,-4,0")),
-    Action("reset the states", ("ctl", "reset", "--state")),
-    Action("reset the time", ("ctl", "reset", "--time")),
-    Action("reset the spawned", ("ctl", "reset", "--spawned")),
-    Action("rewind", ("ctl", "rewind", "3")),
+    Action("spawn", ("ctl", "spawn", "position", "--name", "late", "--pose", "-4,-4,0"), edits=True),
+    Action("reset the states", ("ctl", "reset", "--state"), edits=True),
+    Action("reset the time", ("ctl", "reset", "--time"), edits=True),
+    Action("reset the spawned", ("ctl", "reset", "--spawned"), edits=True),
+    Action("rewind", ("ctl", "rewind", "3"), edits=True),
     Action("kill"),
     Action("replay"),
     Action("branch"),

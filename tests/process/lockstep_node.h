@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "ros/connection/node_services.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/ros_participant.h"
@@ -29,16 +30,19 @@
 
 namespace troupe::test {
 
-// The way in which ticks wait for the node: for its commands to each scan, for its answers on /world/tick_done, or for
-// its commands by a timer of simulated time.
-enum class Way { kTopic, kProtocol, kTimer };
+// The way in which ticks wait for the node: for its commands to each scan, for its answers on /world/tick_done, for
+// its commands by a timer of simulated time; or for its commands to each scan, which depend on the number of scans that
+// it has received, as those of a node with a filter.
+enum class Way { kTopic, kProtocol, kTimer, kCounter };
 
 struct NodeOptions {
   Way way = Way::kProtocol;
   std::string name = "driver";
   std::string space = "/r0";  // of the robot's topics
-  int most_delay = 0;         // ms before an answer, drawn
+  int least_delay = 0;        // ms before an answer, drawn
+  int most_delay = 0;
   unsigned seed = 1;          // of the delays
+  bool has_parameters = true;  // their services, as of each node of rclcpp and rclpy
   std::uint32_t domain = TestRosNetwork().domain;
 };
 
@@ -140,8 +144,12 @@ class LockstepNode {
     ros::RosWriter<ros::Header> answers(node, "/world/tick_done", ros::Stream(10));
     std::optional<Timer> timer;
     if (options_.way == Way::kTimer) timer.emplace(node, notify);
+    // Last, because a node of rclcpp or rclpy answers once it spins.
+    std::optional<ros::ParameterServices> parameters;
+    if (options_.has_parameters) parameters.emplace(node, options_.name, ros::Parameters{});
     participant_.Announce();
     std::mt19937 random(options_.seed);
+    if (options_.way == Way::kCounter) return Count(scans, commands, random);
     std::optional<Tick> scanned;
     ros::TwistMessage command{};
     std::optional<Tick> shown;
@@ -205,10 +213,30 @@ class LockstepNode {
       ++answers_;
     }
   }
+  // Each scan is one call of a callback, whatever its stamp.
+  void Count(ros::RosReader<ros::LaserScan>& scans, ros::RosWriter<ros::TwistMessage>& commands,
+             std::mt19937& random) {
+    while (!stop_) {
+      {
+        std::unique_lock lock(mutex_);
+        wake_.wait_for(lock, std::chrono::milliseconds(200), [this] { return arrived_ || stop_; });
+        arrived_ = false;
+      }
+      scans.Drain([&](const ros::LaserScan& scan) {
+        Delay(random);
+        ++answers_;
+        answered_ = TickOf(scan.header.stamp);
+        ros::TwistMessage twist{};
+        twist.linear.x = 0.3;
+        twist.angular.z = 0.5 * std::sin(0.1 * static_cast<double>(answers_));
+        commands.Write(twist);
+      });
+    }
+  }
   void Delay(std::mt19937& random) const {
     if (options_.most_delay == 0) return;
-    std::this_thread::sleep_for(
-        std::chrono::milliseconds(std::uniform_int_distribution<int>(0, options_.most_delay)(random)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(
+        std::uniform_int_distribution<int>(options_.least_delay, options_.most_delay)(random)));
   }
   static void Answer(ros::RosWriter<ros::Header>& answers, const std::string& name, const ros::Time& stamp) {
     dds::WireArena arena;

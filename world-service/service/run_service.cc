@@ -60,6 +60,10 @@ class Driver final : public WorldControl, private ServiceHandler {
         endpoint_(std::move(endpoint)) {}
 
   void Start() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_started_ = true;
+    }
     // Deliveries may begin before the session is announced, for instance joins of agents that know it from a service
     // before.
     endpoint_->Start(*this);
@@ -126,7 +130,11 @@ class Driver final : public WorldControl, private ServiceHandler {
       is_woken_ = true;
       return;
     }
-    Deliver([&](double now) { coordinator_.Wake(now); });
+    Deliver([&](double now) {
+      // Observers may wake the run from their own begin on; it begins after that of all.
+      if (is_started_) return coordinator_.Wake(now);
+      is_woken_ = true;
+    });
   }
 
   void OnAgentNews(const AgentNews& news) override {
@@ -358,6 +366,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   double wake_at_ = 0.0;             // when Run wakes up by itself
   std::deque<AskedRequest> file_requests_;
   std::deque<AskedRequest> asked_meanwhile_;
+  bool is_started_ = false;  // all observers have begun
   bool is_woken_ = false;  // from inside a call of the coordinator: Run makes another one
   std::atomic<std::thread::id> acting_ = std::thread::id();  // the thread that is inside the coordinator
   TickCoordinator coordinator_;

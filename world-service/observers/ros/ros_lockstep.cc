@@ -23,7 +23,9 @@ constexpr std::size_t kMaxNameLength = 200;  // bytes, as of a name in a scenari
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 // Wall times, s.
-constexpr double kMaxArming = 1.0;  // of a program that does not answer
+constexpr double kMaxArming = 1.0;      // of a program that does not answer
+constexpr double kMaxPreparing = 10.0;  // of one that is being started
+constexpr std::chrono::milliseconds kPreparingPoll(2);
 
 double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -51,11 +53,11 @@ struct RosLockstepWait::Channel {
   ros::HostConnection& connection;
   const std::unique_ptr<ros::TopicWriter> ticks;
   const std::unique_ptr<ros::TopicReader> answers;
-  std::map<std::string, std::uint32_t> watches;  // by topic
-  // Of the tick that awaits answers: not yet given to the connection; given to it; told to the nodes of the domain,
-  // before all that arrives from then on.
-  enum class Announcement : std::uint8_t { kPending, kGiven, kTold };
-  Announcement announcement = Announcement::kPending;
+  std::map<std::string, std::uint32_t> watches;  // by topic or node
+  // Of the tick that awaits answers: given to the connection; told to the nodes of the domain, before all that arrives
+  // from then on.
+  enum class Announcement : std::uint8_t { kGiven, kTold };
+  Announcement announcement = Announcement::kGiven;
 
   bool is_told() const { return announcement == Announcement::kTold; }
 };
@@ -79,7 +81,9 @@ RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOpti
     OnArrival();
     hooks_.on_arrival();
   });
-  thread_ = std::thread([this] { Run(); });
+  const std::lock_guard lock(mutex_);
+  Follow(*scene_);
+  thread_ = std::thread([this] { EndUnused(); });
 }
 
 RosLockstepWait::~RosLockstepWait() {
@@ -95,11 +99,21 @@ RosLockstepWait::~RosLockstepWait() {
   ended.swap(channels_);
 }
 
+void RosLockstepWait::AwaitPrepared() {
+  const double begin = Now();
+  std::unique_lock lock(mutex_);
+  Arm(fmt::format("{:016x}", run_));
+  while (!IsArmed() && Now() - begin < kMaxPreparing) {
+    lock.unlock();
+    std::this_thread::sleep_for(kPreparingPoll);
+    lock.lock();
+  }
+}
+
 void RosLockstepWait::OnWorldChange(std::shared_ptr<const Scene> scene) {
   const std::lock_guard lock(mutex_);
   scene_ = std::move(scene);
-  is_new_world_ = true;
-  changed_.notify_one();
+  Follow(*scene_);
 }
 
 std::string RosLockstepWait::TextOf(Edition edition, Tick tick) const {
@@ -148,9 +162,9 @@ Result<TickRelease> RosLockstepWait::Release() {
   const std::lock_guard lock(mutex_);
   TickRelease release;
   if (answers_.stage() != TickAnswers::Stage::kAwaitingAnswers) return release;
-  const bool is_announced = !is_new_world_ && std::all_of(channels_.begin(), channels_.end(),
-                                                          [](const auto& channel) { return channel->is_told(); });
-  Result<std::vector<std::string>> awaited = answers_.Awaited(is_announced, Now());
+  const bool is_announced =
+      std::all_of(channels_.begin(), channels_.end(), [](const auto& channel) { return channel->is_told(); });
+  Result<std::vector<std::string>> awaited = answers_.Awaited(Now());
   if (!awaited.ok()) return awaited.error();
   release.awaited = std::move(awaited).value();
   if (!is_announced && release.awaited.empty()) release.awaited.emplace_back("ROS");
@@ -168,21 +182,15 @@ std::vector<SlowRobot> RosLockstepWait::SlowestAwaited() {
   return answers_.Slowest();
 }
 
-void RosLockstepWait::Run() {
+void RosLockstepWait::EndUnused() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return stop_ || is_new_world_; });
-    if (stop_) return;
-    is_new_world_ = false;
-    std::vector<std::unique_ptr<Channel>> unused;
-    try {
-      unused = Follow(*scene_);
-    } catch (const std::exception& exception) {  // of DDS, as without memory
-      reports_.Add(exception.what());
-    }
+    changed_.wait(lock, [this] { return stop_ || !unused_.empty(); });
+    std::vector<std::unique_ptr<Channel>> ended = std::exchange(unused_, {});
+    const bool stops = stop_;
     lock.unlock();
-    unused.clear();
-    control_.Wake();
+    ended.clear();
+    if (stops) return;
     lock.lock();
   }
 }
@@ -234,29 +242,32 @@ RosLockstepWait::Channel& RosLockstepWait::OpenChannel(std::uint32_t domain,
   return *channels_.emplace_back(std::make_unique<Channel>(domain, std::move(own), used));
 }
 
-std::vector<std::unique_ptr<RosLockstepWait::Channel>> RosLockstepWait::Follow(const Scene& scene) {
+void RosLockstepWait::Follow(const Scene& scene) {
   std::vector<std::unique_ptr<Channel>> before = std::exchange(channels_, {});
   const std::set<TickAnswers::Name> names = ParticipantsIn(scene);
-  for (const TickAnswers::Name& name : names) {
-    Channel& channel = OpenChannel(name.first, before);
-    const std::string& topic = name.second;
-    if (!TickAnswers::IsTopic(name) || channel.watches.contains(topic)) continue;
-    channel.watches[topic] = channel.connection.Watch("rt" + topic);
-  }
+  for (const TickAnswers::Name& name : names) OpenChannel(name.first, before);
   answers_.SetParticipants(names);
-  const bool awaits = answers_.stage() == TickAnswers::Stage::kAwaitingAnswers;
   for (const auto& channel : channels_) {
-    std::erase_if(channel->watches, [&](const auto& watch) {
-      if (names.contains({channel->domain, watch.first})) return false;
-      channel->connection.Unwatch(watch.second);
-      return true;
-    });
+    WatchParticipants(*channel, names);
     channel->connection.Announce();
     if (!armed_.empty()) channel->connection.Arm(armed_);
-    if (awaits && channel->announcement == Channel::Announcement::kPending) Announce(*channel);
   }
   std::erase(before, nullptr);
-  return before;
+  for (auto& channel : before) unused_.push_back(std::move(channel));
+  if (!unused_.empty()) changed_.notify_one();
+}
+
+void RosLockstepWait::WatchParticipants(Channel& channel, const std::set<TickAnswers::Name>& names) {
+  std::erase_if(channel.watches, [&](const auto& watch) {
+    if (names.contains({channel.domain, watch.first})) return false;
+    channel.connection.Unwatch(watch.second);
+    return true;
+  });
+  for (const TickAnswers::Name& name : names) {
+    const std::string& watched = name.second;
+    if (name.first != channel.domain || channel.watches.contains(watched)) continue;
+    channel.watches[watched] = channel.connection.Watch(TickAnswers::IsTopic(name) ? "rt" + watched : watched);
+  }
 }
 
 bool RosLockstepWait::Advance() {
@@ -268,15 +279,35 @@ bool RosLockstepWait::Advance() {
       channel->announcement = Channel::Announcement::kTold;
     }
     is_told = is_told && channel->is_told();
-    for (const auto& [topic, watch] : channel->watches) {
-      const TickAnswers::Name name{channel->domain, topic};
+    for (const auto& [watched_name, watch] : channel->watches) {
+      const TickAnswers::Name name{channel->domain, watched_name};
+      if (!TickAnswers::IsTopic(name)) continue;  // its answers are read below
       answers_.SetReadsClock(name, watched.timed.contains(watch), Now());
       if (watched.armed == armed_ && watched.arrived.contains(watch)) answers_.OnAnswer(name, Now());
     }
     ReadAnswers(*channel);
   }
+  NoteDelivery();
   if (awaits) return is_told && answers_.are_complete();
   return answers_.stage() == TickAnswers::Stage::kAwaitingArming && IsArmed();
+}
+
+void RosLockstepWait::NoteDelivery() {
+  TickAnswers::Delivery delivery = TickAnswers::Delivery::kTold;
+  std::set<TickAnswers::Name> absent;
+  for (const auto& channel : channels_) {
+    const std::optional<std::set<std::uint32_t>> held_for = channel->connection.watched().held_for;
+    if (channel->is_told()) continue;
+    if (!held_for) {
+      delivery = TickAnswers::Delivery::kUnknown;
+      break;
+    }
+    delivery = TickAnswers::Delivery::kHeld;
+    for (const auto& [name, watch] : channel->watches) {
+      if (held_for->contains(watch)) absent.emplace(channel->domain, name);
+    }
+  }
+  answers_.SetDelivery(delivery, absent, Now());
 }
 
 // Behind all messages of the tick, and so is the time.
@@ -289,8 +320,12 @@ void RosLockstepWait::Announce(Channel& channel) {
   ros::Header header{};
   dds::WireArena arena;
   header.stamp = {static_cast<std::int32_t>(ns / kNsPerSecond), static_cast<std::uint32_t>(ns % kNsPerSecond)};
-  header.frame_id = arena.Copy("");
-  channel.connection.Tell(*channel.ticks, &header, *channel.answers);
+  header.frame_id = arena.Copy(fmt::format("edition:{}", edition_));
+  std::set<std::uint32_t> awaited;
+  for (const auto& [name, watch] : channel.watches) {
+    if (answers_.is_awaited({channel.domain, name})) awaited.insert(watch);
+  }
+  channel.connection.Tell(*channel.ticks, &header, *channel.answers, awaited);
 }
 
 void RosLockstepWait::ReadAnswers(Channel& channel) {

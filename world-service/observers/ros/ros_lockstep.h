@@ -2,13 +2,14 @@
 //
 // The agents publish a tick that waits while the run is paused for it. Then each ROS domain is told with /world/tick,
 // behind all messages of the tick, and the run continues when all named ones have answered: a topic by a message, a
-// node by /world/tick_done. The threads of the connections note the answers; a thread of its own makes and ends
-// connections when the world has changed, because no tick may wait for that.
+// node by /world/tick_done. The threads of the connections note the answers.
 //
 // Two races decide the design. A fast node may answer a message of the tick before this process knows that the tick is
 // published: so the host's program is armed with the name of the tick before the agents see the frame (OnCommit), and
 // notes arrivals from then on. And a message may be under way while the tick is announced: so the announcement travels
-// through the same program, behind the messages of all agents, and is `told` only when readers have it.
+// through the same program, behind the messages of all agents, and is `told` only when readers have it. That program
+// holds back the first tick of a participant until the participant can receive it: so it is to know of all participants
+// before agents show a tick (OnBegin, OnWorldChange).
 //
 // The wait changes when a tick is made and never its result; a node's commands are journalled like any others. Limits
 // are in wall time and end or continue the run, as the options say.
@@ -16,7 +17,7 @@
 // The states of a wait and of each participant are in TickAnswers; this file has the connections that feed it. A
 // channel is the connection in one ROS domain, with the announcement of the published tick:
 //
-//   kPending --Announce--> kGiven --the program has written it--> kTold: answers count from then on
+//   kGiven, from Announce --the program has written it--> kTold: answers count from then on
 #pragma once
 
 #include <condition_variable>
@@ -59,6 +60,8 @@ class RosLockstepWait {
   RosLockstepWait& operator=(const RosLockstepWait&) = delete;
 
   bool ShowsTick(Tick tick) const { return tick % period_ == 0; }
+  // Waits until the program of the host knows the participants, for some seconds at most.
+  void AwaitPrepared();
   // Calls of an observer.
   void OnWorldChange(std::shared_ptr<const Scene> scene);
   void OnCommit(const FrameMessage& frame);
@@ -70,12 +73,15 @@ class RosLockstepWait {
  private:
   struct Channel;
 
-  void Run();
+  // Ends the channels that nothing uses any more, without the mutex and without the lock of the run: their threads may
+  // wait for either.
+  void EndUnused();
   // On the thread of a connection: something has arrived.
   void OnArrival();
   // REQUIRES of those below: mutex_ is held.
-  // Returns the channels that nothing uses any more. They end without the mutex: their threads may wait for it.
-  std::vector<std::unique_ptr<Channel>> Follow(const Scene& scene);
+  // Makes the channels of the scene's participants.
+  void Follow(const Scene& scene);
+  void WatchParticipants(Channel& channel, const std::set<TickAnswers::Name>& names);
   std::set<TickAnswers::Name> ParticipantsIn(const Scene& scene) const;
   // The channel of the domain, one of `before` if it had one.
   Channel& OpenChannel(std::uint32_t domain, std::vector<std::unique_ptr<Channel>>& before);
@@ -85,6 +91,7 @@ class RosLockstepWait {
   // Notes what has arrived. True: the run is to ask again.
   bool Advance();
   void Announce(Channel& channel);
+  void NoteDelivery();
   void ReadAnswers(Channel& channel);
 
   ros::HostConnection& of_run_;
@@ -99,8 +106,8 @@ class RosLockstepWait {
   std::condition_variable changed_;
   bool stop_ = false;
   std::shared_ptr<const Scene> scene_;
-  bool is_new_world_ = true;  // the channels are still those of the world before
   std::vector<std::unique_ptr<Channel>> channels_;
+  std::vector<std::unique_ptr<Channel>> unused_;
   TickAnswers answers_;
   std::string armed_;  // the newest text
   double armed_at_ = 0.0;

@@ -223,6 +223,8 @@ class RosWorldGateway final : public RunObserver {
         connection_, options_, scene_, start.run, has_released_, start.control,
         RosLockstepWait::Hooks{[this](Tick tick, std::int64_t interval_ns) { clock_.Show(tick, interval_ns, true); },
                                [this](const std::string& line) { Warn(line); }, on_arrival});
+    // A service before has armed the texts of its last ticks, whose messages count.
+    if (!has_released_) lockstep_->AwaitPrepared();
     return Status();
   }
   Status OnEnd() override {
@@ -293,7 +295,8 @@ class RosWorldGateway final : public RunObserver {
         events_.Write({arena.Copy(EventLine(scene_->world(), event))});
       }
     }
-    if (people_ && people_->wanted()) {
+    // In a pause even without a reader, as below.
+    if (people_ && (people_->wanted() || frame.paused)) {
       dds::WireArena arena;
       people_->Write(ros::MakePeople(scene_->world(), frame.state, arena));
     }

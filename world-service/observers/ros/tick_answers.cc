@@ -28,12 +28,25 @@ void TickAnswers::Publish(Tick tick, double now) {
   stage_ = Stage::kAwaitingAnswers;
   tick_ = tick;
   published_at_ = now;
+  delivery_ = Delivery::kUnknown;
+  absent_.clear();
   time_stands_ = !released_ || tick <= *released_;
 }
 
 bool TickAnswers::IsAwaited(const Participant& participant) const {
   if (participant.follows_time && time_stands_) return false;
   return participant.answer == Answer::kNeverHeard || participant.answer == Answer::kAwaited;
+}
+
+bool TickAnswers::is_awaited(const Name& name) const {
+  const auto found = participants_.find(name);
+  return found != participants_.end() && IsAwaited(found->second);
+}
+
+void TickAnswers::SetDelivery(Delivery delivery, const std::set<Name>& absent, double now) {
+  if (delivery_ == Delivery::kHeld && delivery == Delivery::kTold) published_at_ = now;
+  delivery_ = delivery;
+  absent_ = absent;
 }
 
 bool TickAnswers::are_complete() const {
@@ -65,18 +78,19 @@ void TickAnswers::SetReadsClock(const Name& topic, bool reads_clock, double now)
   found->second.reads_clock_since = reads_clock ? std::optional(now) : std::nullopt;
 }
 
-Result<std::vector<std::string>> TickAnswers::Awaited(bool is_announced, double now) {
+Result<std::vector<std::string>> TickAnswers::Awaited(double now) {
   std::vector<std::string> names;
   bool has_new = false;
   for (auto& [name, participant] : participants_) {
-    if (options_.limit > 0.0 && IsAwaited(participant)) {
+    const bool is_limited = options_.limit > 0.0 && (delivery_ != Delivery::kHeld || absent_.contains(name));
+    if (is_limited && IsAwaited(participant)) {
       if (Status end = ApplyLimit(name, participant, now); !end.ok()) return end.error();
     }
     if (!IsAwaited(participant)) continue;
     names.push_back(name.second);
     has_new = has_new || participant.answer == Answer::kNeverHeard;
   }
-  if (has_new && is_announced && now - published_at_ > kFirstAnswers && !std::exchange(has_reported_, true)) {
+  if (has_new && delivery_ != Delivery::kUnknown && now - published_at_ > kFirstAnswers && !std::exchange(has_reported_, true)) {
     const bool may_be_timer = options_.limit <= 0.0 && time_stands_ &&
                               std::any_of(participants_.begin(), participants_.end(), [this](const auto& entry) {
                                 return IsAwaited(entry.second) && entry.second.reads_clock_since;

@@ -19,6 +19,10 @@
 //
 // A tick waits for those that are kNeverHeard or kAwaited. So one that is dropped is awaited again once it is heard of.
 //
+// A tick may be held back after it is published, because a participant is not there that has never been heard of, or is
+// starting (TickGate). The limit counts meanwhile for those only that are known to be absent, and for the others from
+// the time at which they are told.
+//
 // Timers of simulated time are due when the time has advanced. At the first tick, at one that is published again after
 // an edit, and after a reset they write nothing, and a tick that waited for their topic would wait for ever. Nothing
 // tells such a topic from one whose node is slow but its silence: so at a tick whose time stands, a topic that is
@@ -48,6 +52,8 @@ class TickAnswers {
  public:
   enum class Stage : std::uint8_t { kIdle, kAwaitingAnswers, kAwaitingArming };
   enum class Answer : std::uint8_t { kNeverHeard, kAwaited, kDone, kDropped };
+  // Of the published tick to the participants.
+  enum class Delivery : std::uint8_t { kUnknown, kHeld, kTold };
   // The domain, and a topic ("/anna/cmd_vel") or the name of a node.
   using Name = std::pair<std::uint32_t, std::string>;
 
@@ -83,10 +89,12 @@ class TickAnswers {
   void SetReadsClock(const Name& topic, bool reads_clock, double now);
 
   bool Has(const Name& name) const { return participants_.contains(name); }
+  bool is_awaited(const Name& name) const;
   bool are_complete() const;  // no participant is awaited
-  // The names that the tick waits for, after the limit was applied. The error ends the run. `is_announced`: nodes know
-  // of the tick. REQUIRES: kAwaitingAnswers.
-  Result<std::vector<std::string>> Awaited(bool is_announced, double now);
+  // `absent`: those among the awaited for which it is held back because no program is there that could answer.
+  void SetDelivery(Delivery delivery, const std::set<Name>& absent, double now);
+  // The names that the tick waits for, after the limit was applied. The error ends the run. REQUIRES: kAwaitingAnswers.
+  Result<std::vector<std::string>> Awaited(double now);
   // REQUIRES: kAwaitingAnswers.
   void Release();
 
@@ -113,7 +121,9 @@ class TickAnswers {
   bool has_participants_ = false;  // SetParticipants was called
   bool has_reported_ = false;      // that the first answers are awaited
   Tick tick_ = 0;
-  double published_at_ = 0.0;
+  double published_at_ = 0.0;  // or told, if it was held back
+  Delivery delivery_ = Delivery::kUnknown;
+  std::set<Name> absent_;
   std::optional<Tick> released_;  // the last tick that was
   bool time_stands_ = true;       // the tick is not later than that
 };

@@ -9,6 +9,7 @@
 #include <future>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/support/values.h"
 #include "tests/unit/world-service/service/coordinator_fixture.h"
@@ -122,6 +123,40 @@ TEST_F(RunServiceTest, PacesTicksWithoutLosingThem) {
   const RunSummary summary = test::ValueOf(Run());
   EXPECT_EQ(summary.ticks, 20u);
   EXPECT_GE(summary.wall_seconds, 0.0399);
+}
+
+// Wakes the run when it begins itself, before the others.
+class WakingObserver final : public RunObserver {
+  Status OnBegin(const RunStart& start) override {
+    std::thread([&start] { start.control.Wake(); }).join();
+    return {};
+  }
+};
+
+// Of a world without robots all have joined from the start.
+TEST_F(RunServiceTest, ARunThatIsWokenEarlyBeginsAfterAllObservers) {
+  class Begun final : public RunObserver {
+   public:
+    bool has_begun = false;
+    bool saw_tick_before = false;
+
+   private:
+    Status OnBegin(const RunStart&) override {
+      has_begun = true;
+      return {};
+    }
+    Status OnTick(const CommittedTick&) override {
+      saw_tick_before = saw_tick_before || !has_begun;
+      return {};
+    }
+  };
+  WakingObserver waking;
+  Begun late;
+  const auto empty = std::make_shared<const Scene>(test::PlaneWorld(0));
+  EXPECT_EQ(test::ValueOf(RunService(empty, options_, transport_->MakeServiceEndpoint(), {&waking, &late}, stop_)).ticks,
+            20u);
+  EXPECT_TRUE(late.has_begun);
+  EXPECT_FALSE(late.saw_tick_before);
 }
 
 // Delivers one message for which there was no memory.

@@ -25,14 +25,18 @@ class TickAnswersTest : public testing::Test {
     answers.SetParticipants(names);
     return answers;
   }
+  static void Publish(TickAnswers& answers, Tick tick, double now) {
+    answers.Publish(tick, now);
+    answers.SetDelivery(TickAnswers::Delivery::kTold, {}, now);
+  }
   // The names that a tick waits for at that time.
   static std::vector<std::string> Awaited(TickAnswers& answers, double now) {
-    const Result<std::vector<std::string>> awaited = answers.Awaited(true, now);
+    const Result<std::vector<std::string>> awaited = answers.Awaited(now);
     return awaited.ok() ? awaited.value() : std::vector<std::string>{"error: " + awaited.error().message};
   }
   // All answer, and the tick is released.
   static void Complete(TickAnswers& answers, Tick tick, double now) {
-    answers.Publish(tick, now);
+    Publish(answers, tick, now);
     answers.OnAnswer(kTopic, now);
     answers.OnAnswer(kNode, now);
     ASSERT_THAT(Awaited(answers, now), IsEmpty());
@@ -46,7 +50,7 @@ TEST_F(TickAnswersTest, ATickWaitsForEachAnswerOnceItIsPublished) {
   TickAnswers answers = Make({.limit = 10.0});
   EXPECT_EQ(answers.stage(), Stage::kIdle);
   answers.OnAnswer(kTopic, 0.0);  // of nothing
-  answers.Publish(0, 1.0);
+  Publish(answers, 0, 1.0);
   EXPECT_EQ(answers.stage(), Stage::kAwaitingAnswers);
   EXPECT_THAT(Awaited(answers, 1.0), ElementsAre("/r0/cmd_vel", "driver"));
   answers.OnAnswer(kTopic, 1.5);
@@ -60,7 +64,7 @@ TEST_F(TickAnswersTest, ATickWaitsForEachAnswerOnceItIsPublished) {
   EXPECT_THAT(Awaited(answers, 3.0), IsEmpty());
   answers.Release();
   EXPECT_EQ(answers.stage(), Stage::kIdle);
-  answers.Publish(1, 4.0);
+  Publish(answers, 1, 4.0);
   EXPECT_THAT(Awaited(answers, 4.0), ElementsAre("/r0/cmd_vel", "driver"));
   const std::vector<SlowRobot> slowest = answers.Slowest();
   ASSERT_EQ(slowest.size(), 2U);
@@ -76,23 +80,23 @@ TEST_F(TickAnswersTest, AnEditOrAnUnpreparedTickChangesTheStage) {
   EXPECT_EQ(answers.stage(), Stage::kAwaitingArming);
   answers.SetArming(false);
   EXPECT_EQ(answers.stage(), Stage::kIdle);
-  answers.Publish(3, 0.0);
+  Publish(answers, 3, 0.0);
   answers.SetArming(true);
   EXPECT_EQ(answers.stage(), Stage::kAwaitingAnswers);
   answers.OnAnswer(kNode, 0.0);
   answers.Withdraw();
   EXPECT_EQ(answers.stage(), Stage::kIdle);
-  answers.Publish(3, 1.0);  // the edited one: each answers again
+  Publish(answers, 3, 1.0);  // the edited one: each answers again
   EXPECT_THAT(Awaited(answers, 1.0), ElementsAre("/r0/cmd_vel", "driver"));
 }
 
 TEST_F(TickAnswersTest, TheLimitIsOfThoseThatHaveAnsweredBefore) {
   TickAnswers answers = Make({.limit = 10.0});
-  answers.Publish(0, 0.0);
+  Publish(answers, 0, 0.0);
   EXPECT_THAT(Awaited(answers, 1000.0), ElementsAre("/r0/cmd_vel", "driver"));
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("tick 0 waits for /r0/cmd_vel, driver")));
   Complete(answers, 0, 1000.0);
-  answers.Publish(1, 1000.0);
+  Publish(answers, 1, 1000.0);
   answers.OnAnswer(kTopic, 1000.0);
   EXPECT_THAT(Awaited(answers, 1010.0), ElementsAre("driver"));
   EXPECT_THAT(Awaited(answers, 1010.1), ElementsAre(HasSubstr("tick 1 has waited 10.1 s for driver of ROS")));
@@ -101,12 +105,12 @@ TEST_F(TickAnswersTest, TheLimitIsOfThoseThatHaveAnsweredBefore) {
 TEST_F(TickAnswersTest, ARunMayContinueWithoutOneUntilItIsHeardOf) {
   TickAnswers answers = Make({.limit = 1.0, .ends_at_limit = false});
   Complete(answers, 0, 0.0);
-  answers.Publish(1, 0.0);
+  Publish(answers, 1, 0.0);
   answers.OnAnswer(kTopic, 0.0);
   EXPECT_THAT(Awaited(answers, 2.0), IsEmpty());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("tick 1 continues after 2.0 s without driver")));
   answers.Release();
-  answers.Publish(2, 3.0);
+  Publish(answers, 2, 3.0);
   EXPECT_THAT(Awaited(answers, 3.0), ElementsAre("/r0/cmd_vel"));
   answers.OnOtherAnswer(kNode);
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("continues"), "ticks wait for driver again"));
@@ -115,7 +119,7 @@ TEST_F(TickAnswersTest, ARunMayContinueWithoutOneUntilItIsHeardOf) {
 
 TEST_F(TickAnswersTest, ASuccessorOfTheServiceKnowsThatTheyHaveAnswered) {
   TickAnswers answers = Make({.limit = 2.0, .were_heard = true});
-  answers.Publish(30, 0.0);
+  Publish(answers, 30, 0.0);
   EXPECT_THAT(Awaited(answers, 1.9), ElementsAre("/r0/cmd_vel", "driver"));
   EXPECT_THAT(Awaited(answers, 2.1), ElementsAre(HasSubstr("tick 30 has waited 2.1 s for /r0/cmd_vel")));
   answers.SetParticipants({kTopic, {0, "/late/cmd_vel"}});  // of a robot that is spawned
@@ -125,38 +129,51 @@ TEST_F(TickAnswersTest, ASuccessorOfTheServiceKnowsThatTheyHaveAnswered) {
 
 TEST_F(TickAnswersTest, ATimerOfSimulatedTimeIsAwaitedWhenTheTimeHasAdvanced) {
   TickAnswers answers = Make({.limit = 5.0}, {kTopic});
-  answers.Publish(0, 0.0);
+  Publish(answers, 0, 0.0);
   EXPECT_THAT(Awaited(answers, 100.0), ElementsAre("/r0/cmd_vel"));  // it is not there yet
   answers.SetReadsClock(kTopic, true, 100.0);
   EXPECT_THAT(Awaited(answers, 105.0), ElementsAre("/r0/cmd_vel"));
   EXPECT_THAT(Awaited(answers, 105.1), IsEmpty());
   EXPECT_THAT(lines_.back(), HasSubstr("tick 0 continues without /r0/cmd_vel"));
   answers.Release();
-  answers.Publish(1, 106.0);
+  Publish(answers, 1, 106.0);
   EXPECT_THAT(Awaited(answers, 1000.0), ElementsAre("/r0/cmd_vel"));  // it has never answered
   answers.OnAnswer(kTopic, 1000.0);
   answers.Release();
-  answers.Publish(1, 1001.0);  // after an edit
+  Publish(answers, 1, 1001.0);  // after an edit
   EXPECT_THAT(Awaited(answers, 1001.0), IsEmpty());
   answers.Release();
-  answers.Publish(2, 1002.0);
+  Publish(answers, 2, 1002.0);
   EXPECT_THAT(Awaited(answers, 1002.0), ElementsAre("/r0/cmd_vel"));
   answers.OnAnswer(kTopic, 1002.0);
   answers.Withdraw();
-  answers.Publish(2, 1003.0);  // edited after the answer, and before the release
+  Publish(answers, 2, 1003.0);  // edited after the answer, and before the release
   EXPECT_THAT(Awaited(answers, 1003.0), IsEmpty());
   answers.Release();
-  answers.Publish(3, 1004.0);
+  Publish(answers, 3, 1004.0);
   answers.Withdraw();
-  answers.Publish(3, 1004.0);  // edited before the answer
+  Publish(answers, 3, 1004.0);  // edited before the answer
   EXPECT_THAT(Awaited(answers, 1004.0), ElementsAre("/r0/cmd_vel"));
-  answers.Publish(0, 1005.0);  // reset
+  Publish(answers, 0, 1005.0);  // reset
   EXPECT_THAT(Awaited(answers, 1005.0), IsEmpty());
+}
+
+TEST_F(TickAnswersTest, TheLimitOfATickThatIsHeldBackIsThatOfThoseThatAreAbsent) {
+  TickAnswers answers = Make({.limit = 5.0});
+  Complete(answers, 0, 0.0);
+  answers.Publish(1, 10.0);
+  answers.SetDelivery(TickAnswers::Delivery::kHeld, {}, 10.0);
+  EXPECT_THAT(Awaited(answers, 100.0), ElementsAre("/r0/cmd_vel", "driver"));
+  answers.SetDelivery(TickAnswers::Delivery::kTold, {}, 100.0);
+  EXPECT_THAT(Awaited(answers, 104.0), ElementsAre("/r0/cmd_vel", "driver"));
+  EXPECT_THAT(Awaited(answers, 105.1), ElementsAre(HasSubstr("tick 1 has waited 5.1 s for /r0/cmd_vel")));
+  answers.SetDelivery(TickAnswers::Delivery::kHeld, {kNode}, 200.0);
+  EXPECT_THAT(Awaited(answers, 200.0), ElementsAre(HasSubstr("tick 1 has waited 100.0 s for driver")));
 }
 
 TEST_F(TickAnswersTest, WithoutALimitASilentTopicIsAwaitedWithoutEnd) {
   TickAnswers answers = Make({.limit = 0.0}, {kTopic});
-  answers.Publish(0, 0.0);
+  Publish(answers, 0, 0.0);
   answers.SetReadsClock(kTopic, true, 0.0);
   EXPECT_THAT(Awaited(answers, 1e6), ElementsAre("/r0/cmd_vel"));
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("a timer of simulated time needs --ros-lockstep-limit")));
