@@ -334,6 +334,7 @@ void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const MadeTe
   std::unique_ptr<ReusableReader> reader = domain_->pools.readers.Acquire(text);
   if (!reader) {
     reader = std::make_unique<ReusableReader>(domain_->participant, TopicSpec{made.name, type, made.qos}, made.part);
+    if (domain_->gate) reader->BeginRound(false);
   }
   reader->Attach(node, {[this, id, topic = made.name](std::span<const std::byte> sample, bool is_again) {
                           Send(LinkKind::kSample, id, sample);

@@ -15,7 +15,6 @@ namespace troupe::ros {
 namespace {
 
 constexpr std::int32_t kDepth = 10;
-constexpr std::string_view kClockTopic = "rt/clock";
 constexpr const char* kAnswerTopic = "rt/world/tick_done";
 constexpr std::string_view kParameterRequests = "/get_parametersRequest";
 

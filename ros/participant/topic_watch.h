@@ -69,6 +69,8 @@ class TopicReaders {
   std::function<void(const std::string&)> note_;
 };
 
+inline constexpr std::string_view kClockTopic = "rt/clock";
+
 class TopicWatch {
  public:
   struct Callbacks {

@@ -8,10 +8,12 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <random>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -269,6 +271,25 @@ class LockstepNode {
   std::atomic<std::size_t> answers_ = 0;
   std::thread thread_;
 };
+
+// The node in a process of its own, which a test can stop and kill: this program again, with one test alone.
+inline constexpr const char* kNodeVariable = "LOCKSTEP_NODE";
+inline Program NodeProcess(const NodeOptions& options) {
+  const std::string text = std::to_string(static_cast<int>(options.way)) + " " + options.name + " " + options.space +
+                           " " + std::to_string(options.least_delay) + " " + std::to_string(options.most_delay) + " " +
+                           std::to_string(options.seed) + " " + std::to_string(options.domain);
+  return Program({"/usr/bin/env", kNodeVariable + ("=" + text),
+                  std::filesystem::read_symlink("/proc/self/exe").string(), "--gtest_also_run_disabled_tests",
+                  "--gtest_filter=LockstepNodeProcess.DISABLED_RunsUntilItIsKilled"});
+}
+inline NodeOptions NodeOptionsOf(const std::string& text) {
+  NodeOptions options;
+  int way = 0;
+  std::istringstream(text) >> way >> options.name >> options.space >> options.least_delay >> options.most_delay >>
+      options.seed >> options.domain;
+  options.way = static_cast<Way>(way);
+  return options;
+}
 
 // Runs whose ticks wait for a node.
 class LockstepRunTest : public testing::Test {

@@ -326,23 +326,9 @@ TEST_F(RosLockstepTest, ARobotInADomainOfItsOwnHasItsOwnTicks) {
   }
 }
 
-// A node in a process of its own, which the test kills: this program again, with this test alone.
-TEST(RosLockstepNode, DISABLED_RunsUntilItIsKilled) {
-  const char* const domain = std::getenv("LOCKSTEP_DOMAIN");
-  ASSERT_NE(domain, nullptr);
-  const LockstepNode driver({.domain = static_cast<std::uint32_t>(std::stoul(domain))});
-  for (;;) pause();
-}
-
-Program NodeProcess() {
-  return Program({"/usr/bin/env", "LOCKSTEP_DOMAIN=" + std::to_string(TestRosNetwork().domain),
-                  std::filesystem::read_symlink("/proc/self/exe").string(), "--gtest_also_run_disabled_tests",
-                  "--gtest_filter=RosLockstepNode.DISABLED_RunsUntilItIsKilled"});
-}
-
 TEST_F(RosLockstepTest, ATickWaitsForTheSuccessorOfANodeThatIsKilled) {
   const std::string& reference = Reference();
-  std::optional<Program> node(NodeProcess());
+  std::optional<Program> node(NodeProcess({}));
   Program run = RunPen(Arguments("killed-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --speed 3")));
   ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick >= 10; }));
   node->Signal(SIGKILL);

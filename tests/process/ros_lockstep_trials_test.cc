@@ -2,15 +2,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 #include <regex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/process/lockstep_node.h"
@@ -70,6 +74,108 @@ TEST_F(RosLockstepTrials, NoNodeThatMisbehavesMakesAWrongTick) {
       const std::size_t equal = std::stoul(continues[1]) + 1;
       EXPECT_EQ(FirstLines(hashes, equal), FirstLines(reference, equal));
     }
+  }
+}
+
+TEST(LockstepNodeProcess, DISABLED_RunsUntilItIsKilled) {
+  const char* const text = std::getenv(kNodeVariable);
+  ASSERT_NE(text, nullptr);
+  const LockstepNode node(NodeOptionsOf(text));
+  for (;;) pause();
+}
+
+// Starver: stops one random process of a group after another for a random time, as a busy machine does.
+class Starver {
+ public:
+  // `processes`: those that are there when it is called.
+  Starver(unsigned seed, std::function<std::vector<pid_t>()> processes)
+      : random_(seed), processes_(std::move(processes)), thread_([this] { Run(); }) {}
+  ~Starver() {
+    stop_ = true;
+    thread_.join();
+  }
+  Starver(const Starver&) = delete;
+  Starver& operator=(const Starver&) = delete;
+
+ private:
+  void Run() {
+    while (!stop_) {
+      const std::vector<pid_t> all = processes_();
+      if (!all.empty()) {
+        const pid_t victim = all[std::uniform_int_distribution<std::size_t>(0, all.size() - 1)(random_)];
+        kill(victim, SIGSTOP);
+        Sleep(300);
+        kill(victim, SIGCONT);
+      }
+      Sleep(60);
+    }
+  }
+  void Sleep(int most_ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution<int>(1, most_ms)(random_)));
+  }
+
+  std::mt19937 random_;
+  const std::function<std::vector<pid_t>()> processes_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+std::vector<pid_t> WithDescendants(pid_t process) {
+  std::vector<pid_t> all = {process};
+  for (const pid_t child : ChildrenOf(process)) {
+    const std::vector<pid_t> below = WithDescendants(child);
+    all.insert(all.end(), below.begin(), below.end());
+  }
+  return all;
+}
+
+// LOCKSTEP_TRIALS: another number of trials; LOCKSTEP_SEED: of the first one.
+TEST_F(RosLockstepTrials, RunsRepeatWhileAllProcessesAreStarved) {
+  const std::vector<std::vector<NodeOptions>> kinds = {
+      {{.way = Way::kCounter, .most_delay = 30}},
+      {{.way = Way::kProtocol, .most_delay = 30}},
+      {{.way = Way::kCounter, .name = "first", .most_delay = 300},
+       {.way = Way::kProtocol, .name = "second", .space = "/r1", .most_delay = 20},
+       {.way = Way::kCounter, .name = "third", .space = "/r2", .most_delay = 50}},
+  };
+  const char* const trials = std::getenv("LOCKSTEP_TRIALS");
+  const char* const first = std::getenv("LOCKSTEP_SEED");
+  std::vector<std::string> references(kinds.size());
+  for (int trial = 0; trial < (trials != nullptr ? std::atoi(trials) : 24); ++trial) {
+    const unsigned seed = static_cast<unsigned>(trial + (first != nullptr ? std::atoi(first) : 1));
+    const std::size_t kind = static_cast<std::size_t>(trial) % kinds.size();
+    const bool is_reference = references[kind].empty();
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", kind " + std::to_string(kind));
+    std::mt19937 random(seed);
+    std::string names;
+    std::vector<Program> nodes;
+    for (NodeOptions node : kinds[kind]) {
+      node.seed = seed;
+      if (is_reference) node.most_delay = 0;
+      names += (names.empty() ? "" : ",") + (node.way == Way::kProtocol ? node.name : node.space + "/cmd_vel");
+      nodes.push_back(NodeProcess(node));
+    }
+    const std::string speed = std::vector<std::string>{"max", "10", "3"}[random() % 3];
+    const std::string prefix = "starved" + std::to_string(trial) + "-";
+    {
+      Program run = RunPen(Arguments(prefix, Words("--ros-lockstep % --ros-lockstep-limit 0 --ticks 25 --lease 5 --speed %",
+                                                   {names, is_reference ? "max" : speed})));
+      std::optional<Starver> starver;
+      if (!is_reference) {
+        starver.emplace(seed, [&run, &nodes] {
+          std::vector<pid_t> all = WithDescendants(run.pid());
+          for (const Program& node : nodes) all.push_back(node.pid());
+          return all;
+        });
+      }
+      const int status = run.Wait();
+      starver.reset();
+      EXPECT_EQ(status, 0) << run.output();
+    }
+    for (const Program& node : nodes) node.Signal(SIGKILL);
+    const std::string hashes = folder_.Read(prefix + "hashes");
+    if (is_reference) references[kind] = hashes;
+    EXPECT_EQ(hashes, references[kind]);
   }
 }
 

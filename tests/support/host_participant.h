@@ -29,9 +29,9 @@ class HostParticipant {
 
   const std::string& socket() const { return socket_; }
   // Connects a process with nodes.
-  std::unique_ptr<ros::HostConnection> Connect() const {
-    return std::make_unique<ros::HostConnection>(network_.distribution, socket_, network_.domain,
-                                                 ros::HostConnection::Sending::kByFlush);
+  std::unique_ptr<ros::HostConnection> Connect(
+      ros::HostConnection::Sending sending = ros::HostConnection::Sending::kByFlush) const {
+    return std::make_unique<ros::HostConnection>(network_.distribution, socket_, network_.domain, sending);
   }
 
   void Start() {

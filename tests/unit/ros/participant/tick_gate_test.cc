@@ -1,0 +1,296 @@
+// A tick reaches nodes once they can receive it, and each of its messages once.
+#include "ros/participant/tick_gate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "ros/connection/node_services.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/link/host_connection.h"
+#include "ros/messages/messages.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/host_participant.h"
+#include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
+
+namespace troupe::ros {
+namespace {
+
+using test::Eventually;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// A process whose ticks wait for a topic, or for a node.
+class WaitingRun {
+ public:
+  WaitingRun(const test::HostParticipant& host, const std::string& watched)
+      : connection_(host.Connect(HostConnection::Sending::kAtOnce)),
+        node_(MakeNode(*connection_, "/", "world")),
+        ticks_(connection_->MakeWriter(node_.index, {"rt/world/tick", Type(), Latched()})),
+        answers_(connection_->MakeReader(node_.index, {"rt/world/tick_done", Type(), Stream(10)}, Part::kOnlyReader, {})) {
+    connection_->WatchTopics([] {});
+    watch_ = connection_->Watch(watched);
+    connection_->Announce();
+  }
+
+  void Arm(const std::string& text) {
+    connection_->Arm(text);
+    EXPECT_TRUE(Eventually([&] { return connection_->watched().armed == text; }));
+  }
+  void Tell(bool awaits = true) {
+    dds::WireArena arena;
+    Header header{};
+    header.frame_id = arena.Copy("edition:4");
+    connection_->Collect();
+    connection_->Tell(*ticks_, &header, *answers_, awaits ? std::set<std::uint32_t>{watch_} : std::set<std::uint32_t>());
+  }
+  bool is_told() { return connection_->watched().is_told; }
+  bool IsTold() {
+    return Eventually([this] { return is_told(); });
+  }
+  // The tick is held back because no program is there that could answer.
+  bool IsHeldForAbsent() {
+    return Eventually([this] { return connection_->watched().held_for == std::set<std::uint32_t>{watch_}; });
+  }
+
+ private:
+  static const dds_topic_descriptor_t* Type() { return dds::TopicTraits<Header>::descriptor(); }
+
+  std::unique_ptr<HostConnection> connection_;
+  RosNode node_;
+  std::unique_ptr<TopicWriter> ticks_;
+  std::unique_ptr<TopicReader> answers_;
+  std::uint32_t watch_ = 0;
+};
+
+// An agent with a topic that has the time of a tick.
+class ShowingAgent {
+ public:
+  explicit ShowingAgent(const test::HostParticipant& host) : connection_(host.Connect()) { connection_->Announce(); }
+
+  // Readers of the topic are there.
+  bool IsWanted() {
+    return Eventually([this] {
+      connection_->Receive();
+      return output_.wanted();
+    });
+  }
+  void Show(int tick) {
+    Write(tick);
+    connection_->AwaitSent();
+  }
+  // As in a wait, when it is asked.
+  bool ShowsAgain(int tick) {
+    return Eventually([&] {
+      connection_->Receive();
+      if (!connection_->ConsumeShowAgain()) return false;
+      connection_->AddressReadersSince(std::chrono::steady_clock::time_point::min());
+      Write(tick);
+      connection_->AddressReadersSince(std::nullopt);
+      connection_->ConfirmShown();
+      return true;
+    });
+  }
+
+ private:
+  void Write(int tick) {
+    OdometryMessage message{};
+    message.header.stamp.sec = tick;
+    message.header.frame_id = message.child_frame_id = const_cast<char*>("");
+    output_.Write(message);
+  }
+
+  std::unique_ptr<HostConnection> connection_;
+  RosNode node_ = MakeNode(*connection_, "/r0", "robot");
+  RosWriter<OdometryMessage> output_{node_, "odom", Stream(10)};
+};
+
+// A program of ROS 2 that reads the topic and the ticks, and can have a writer of commands.
+class PlannerNode {
+ public:
+  PlannerNode() : participant_(test::TestRosNetwork()) { participant_.Announce(); }
+
+  void MakeCommands() {
+    commands_.emplace(node_, "/plan", Stream(1));
+    parameters_.emplace(node_, "planner", Parameters{});
+    participant_.Announce();
+  }
+  void Command() {
+    EXPECT_TRUE(Eventually([this] { return commands_->wanted(); }));
+    commands_->Write({});
+  }
+  std::vector<int> DrainTimes() {
+    std::vector<int> times;
+    odometry_.Drain([&times](const OdometryMessage& message) { times.push_back(message.header.stamp.sec); });
+    return times;
+  }
+  // The list of the newest tick.
+  std::string DrainList() {
+    std::string list;
+    ticks_.Drain([&list](const Header& tick) { list = dds::Text(tick.frame_id); });
+    return list;
+  }
+
+ private:
+  RosParticipant participant_;
+  RosNode node_ = MakeNode(participant_, "/", "planner");
+  RosReader<OdometryMessage> odometry_{node_, "/r0/odom", Stream(10)};
+  RosReader<Header> ticks_{node_, "/world/tick", Latched()};
+  std::optional<RosWriter<Clock>> commands_;
+  std::optional<ParameterServices> parameters_;
+};
+
+class TickGateTest : public testing::Test {
+ protected:
+  // In the tick 0 the node has answered.
+  void BeginWithAnswer(WaitingRun& run) {
+    run.Arm("run 1 0");
+    node_.MakeCommands();
+    agent_.Show(0);
+    run.Tell();
+    EXPECT_TRUE(agent_.ShowsAgain(0));
+    EXPECT_TRUE(run.IsTold());
+    node_.Command();
+    EXPECT_TRUE(Eventually([this] { return !node_.DrainTimes().empty(); }));
+  }
+
+  test::HostParticipant host_;
+  ShowingAgent agent_{host_};
+  PlannerNode node_;
+};
+
+TEST_F(TickGateTest, ATickIsHeldBackUntilAProgramCanAnswerIt) {
+  WaitingRun run(host_, "rt/plan");
+  ASSERT_TRUE(agent_.IsWanted());
+  run.Arm("run 1 0");
+  agent_.Show(0);
+  run.Tell();
+  EXPECT_TRUE(run.IsHeldForAbsent());
+  EXPECT_THAT(node_.DrainTimes(), IsEmpty());
+  node_.MakeCommands();
+  EXPECT_FALSE(run.is_told());
+  EXPECT_TRUE(agent_.ShowsAgain(0));
+  EXPECT_TRUE(run.IsTold());
+  std::vector<int> times;
+  EXPECT_TRUE(Eventually([&] { return !(times = node_.DrainTimes()).empty(); }));
+  EXPECT_THAT(times, ElementsAre(0));
+  std::string list;
+  EXPECT_TRUE(Eventually([&] { return !(list = node_.DrainList()).empty(); }));
+  EXPECT_EQ(list, "edition:4 /r0/odom:1");
+}
+
+TEST_F(TickGateTest, ATickThatWaitsForNoneIsToldAtOnce) {
+  WaitingRun run(host_, "rt/plan");
+  run.Arm("run 1 0");
+  run.Tell(false);
+  EXPECT_TRUE(run.IsTold());
+}
+
+TEST_F(TickGateTest, AMessageOfATickIsWrittenOnceAndListedWithItsStamp) {
+  WaitingRun run(host_, "rt/plan");
+  ASSERT_TRUE(agent_.IsWanted());
+  BeginWithAnswer(run);
+  run.Arm("run 1 1");
+  agent_.Show(1);
+  agent_.Show(1);  // as an agent that is started again
+  run.Tell();
+  EXPECT_TRUE(run.IsTold());
+  run.Arm("run 2 1");  // an edit
+  agent_.Show(1);
+  run.Tell();
+  EXPECT_TRUE(run.IsTold());
+  std::vector<int> times;
+  EXPECT_TRUE(Eventually([&] {
+    for (const int time : node_.DrainTimes()) times.push_back(time);
+    return times.size() >= 2;
+  }));
+  EXPECT_THAT(times, ElementsAre(1, 1));
+  EXPECT_EQ(node_.DrainList(), "edition:4 /r0/odom:1 @/r0/odom:1000000000");
+}
+
+TEST_F(TickGateTest, NoReaderThatComesLaterMakesAnAgentShowATickAgain) {
+  WaitingRun run(host_, "rt/plan");
+  ASSERT_TRUE(agent_.IsWanted());
+  BeginWithAnswer(run);
+  run.Arm("run 1 1");
+  agent_.Show(1);
+  run.Tell();
+  EXPECT_TRUE(run.IsTold());
+  PlannerNode late;
+  EXPECT_TRUE(Eventually([&] { return !late.DrainList().empty(); }));
+  run.Arm("run 1 2");
+  agent_.Show(2);
+  run.Tell();
+  EXPECT_TRUE(run.IsTold());
+  std::vector<int> times;
+  EXPECT_TRUE(Eventually([&] {
+    for (const int time : node_.DrainTimes()) times.push_back(time);
+    return !times.empty() && times.back() == 2;
+  }));
+  EXPECT_THAT(times, ElementsAre(1, 2));
+}
+
+// The agent of a robot that is driven.
+class DrivenAgent {
+ public:
+  explicit DrivenAgent(const test::HostParticipant& host) : connection_(host.Connect()) {
+    connection_->Announce();
+    connection_->Flush();
+  }
+
+  bool GetsCommand(double speed) {
+    return Eventually([&] { return !DrainSpeeds().empty() && speeds_.back() == speed; });
+  }
+  std::vector<double> DrainSpeeds() {
+    connection_->Receive();
+    commands_.Drain([this](const TwistMessage& twist) { speeds_.push_back(twist.linear.x); });
+    return speeds_;
+  }
+
+ private:
+  std::unique_ptr<HostConnection> connection_;
+  RosNode node_ = MakeNode(*connection_, "/r0", "robot");
+  RosReader<TwistMessage> commands_{node_, "cmd_vel", Commands(true, 10)};
+  std::vector<double> speeds_;
+};
+
+TEST_F(TickGateTest, TheSuccessorOfAnAgentGetsTheCommandsOfTheTickAndOfNoOtherRun) {
+  WaitingRun run(host_, "rt/r0/cmd_vel");
+  RosParticipant participant(test::TestRosNetwork());
+  const RosNode driver = MakeNode(participant, "/", "driver");
+  RosWriter<TwistMessage> commands(driver, "/r0/cmd_vel", Stream(10));
+  participant.Announce();
+  std::optional<DrivenAgent> agent(std::in_place, host_);
+  run.Arm("run 1 0");
+  EXPECT_TRUE(Eventually([&] { return commands.wanted(); }));
+  TwistMessage twist{};
+  twist.linear.x = 1.0;
+  commands.Write(twist);
+  EXPECT_TRUE(agent->GetsCommand(1.0));
+  run.Arm("run 1 1");
+  agent.reset();
+  twist.linear.x = 2.0;
+  commands.Write(twist);  // while there is none
+  agent.emplace(host_);
+  EXPECT_TRUE(agent->GetsCommand(2.0));
+  EXPECT_THAT(agent->DrainSpeeds(), ElementsAre(1.0, 2.0));
+  run.Arm("run 2 0");
+  agent.reset();
+  agent.emplace(host_);
+  twist.linear.x = 3.0;
+  commands.Write(twist);
+  EXPECT_TRUE(agent->GetsCommand(3.0));
+  EXPECT_THAT(agent->DrainSpeeds(), ElementsAre(3.0));
+}
+
+}  // namespace
+}  // namespace troupe::ros
