@@ -25,12 +25,17 @@ std::string NewServiceId() {
   return id;
 }
 
+struct Sender {
+  dds_guid_t guid;
+  dds_instance_handle_t handle;
+};
+
 // The participant of a writer that the reader matches; nothing once it has left.
-std::optional<dds_guid_t> SenderOf(dds_entity_t reader, dds_instance_handle_t publication) {
-  dds_builtintopic_endpoint_t* const sender = dds_get_matched_publication_data(reader, publication);
-  if (sender == nullptr) return std::nullopt;
-  const dds_guid_t participant = sender->participant_key;
-  dds_builtintopic_free_endpoint(sender);
+std::optional<Sender> SenderOf(dds_entity_t reader, dds_instance_handle_t publication) {
+  dds_builtintopic_endpoint_t* const endpoint = dds_get_matched_publication_data(reader, publication);
+  if (endpoint == nullptr) return std::nullopt;
+  const Sender participant = {endpoint->participant_key, endpoint->participant_instance_handle};
+  dds_builtintopic_free_endpoint(endpoint);
   return participant;
 }
 
@@ -142,9 +147,9 @@ void DdsTopicReader::ConsumeArrived(const Consume& consume) {
   }
 }
 
-DdsService::DdsService(RosParticipant& owner, const ServiceSpec& spec, Handler handler)
+DdsService::DdsService(RosParticipant& owner, const ServiceSpec& spec, OnRequest on_request)
     : owner_(owner),
-      handler_(std::move(handler)),
+      on_request_(std::move(on_request)),
       id_(NewServiceId()),
       request_topic_(dds::CreateTopic(owner.participant(), *spec.request, "rq" + spec.name + "Request")),
       response_topic_(dds::CreateTopic(owner.participant(), *spec.response, "rr" + spec.name + "Reply")),
@@ -201,11 +206,11 @@ void DdsService::Deliver(Batch& batch, std::size_t i) {
   if (batch.handled[i]) return;
   const auto sample = batch.samples[i];
   if (sample.info().valid()) {
-    const std::optional<dds_guid_t> sender = SenderOf(reader_.handle(), sample.info().publication_handle());
-    const bool is_foreign = sender && IsOfFastDds(*sender);  // without the header: the side on Fast DDS answers it
+    const std::optional<Sender> sender = SenderOf(reader_.handle(), sample.info().publication_handle());
+    const bool is_foreign = sender && IsOfFastDds(sender->guid);  // without the header: the side on Fast DDS answers it
     // An answer to a caller that has left does no harm.
-    if (sender && !is_foreign && !HasReaderOf(writer_.handle(), *sender)) return;
-    if (!is_foreign) handler_(&sample.data(), false);
+    if (sender && !is_foreign && !HasReaderOf(writer_.handle(), sender->guid)) return;
+    if (!is_foreign) on_request_(&sample.data(), sender ? sender->handle : DDS_HANDLE_NIL);
   }
   batch.handled[i] = true;
 }

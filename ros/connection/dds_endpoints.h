@@ -113,8 +113,12 @@ class DdsTopicReader final : public TopicReader {
 // interface gives no access; their calls come from the side of ros-participant on Fast DDS.
 class DdsService final : public ServiceServer {
  public:
+  // Receives a request, and the participant that called, as endpoints on builtin topics name it; DDS_HANDLE_NIL: it has
+  // left.
+  using OnRequest = std::function<void(const void* request, dds_instance_handle_t caller)>;
+
   // Throws dds::Exception. The participant must outlive this. The handler is called on Cyclone's threads.
-  DdsService(RosParticipant& owner, const ServiceSpec& spec, Handler handler);
+  DdsService(RosParticipant& owner, const ServiceSpec& spec, OnRequest on_request);
   ~DdsService() override;
 
   void Start() override;
@@ -135,7 +139,7 @@ class DdsService final : public ServiceServer {
   void Deliver(Batch& batch, std::size_t i);
 
   RosParticipant& owner_;
-  const Handler handler_;
+  const OnRequest on_request_;
   const std::string id_;
   dds::Entity request_topic_;
   dds::Entity response_topic_;

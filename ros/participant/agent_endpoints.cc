@@ -200,7 +200,7 @@ void AgentEndpoints::PrepareToWait() {
   domain_->waiting = this;
   if (domain_->gate) return;
   domain_->watch.emplace(domain_->participant, domain_->readers, wake_);
-  domain_->gate.emplace(domain_->participant, *domain_->watch);
+  domain_->shared_gate = &domain_->gate.emplace(domain_->participant, *domain_->watch);
 }
 
 void AgentEndpoints::Watch(std::uint32_t id, const std::string& watched) {
@@ -315,7 +315,8 @@ void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const MadeTe
     const MatchedContent content = {wanted, is_new};
     Send(LinkKind::kMatched, id, std::as_bytes(std::span(&content, 1)));
     // Behind kMatched, so that an agent that is asked to show its tick knows of the reader.
-    if (is_new && domain_->gate) domain_->gate->NoteReader();
+    TickGate* const gate = domain_->shared_gate;
+    if (is_new && gate != nullptr) gate->NoteReader();
   });
   if (made.qos.kind == TopicQos::Kind::kLogLines) {
     logs_.insert(id);
@@ -355,8 +356,13 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const MadeT
         std::make_unique<ReusableService>(domain_->participant, ServiceSpec{made.name, request, response, made.qos},
                                           domain_->number, domain_->fast_dds, domain_->on_cyclone);
   }
-  service->Attach(node, [this, id](std::span<const std::byte> bytes, bool is_repeated) {
-    Send(is_repeated ? LinkKind::kRepeated : LinkKind::kSample, id, bytes);
+  service->Attach(node, [this, id, name = made.name](std::span<const std::byte> bytes, bool is_repeated,
+                                                     dds_instance_handle_t caller) {
+    if (is_repeated) return Send(LinkKind::kRepeated, id, bytes);
+    TickGate* const gate = domain_->shared_gate;
+    if (gate == nullptr || caller == DDS_HANDLE_NIL) return SendRequest(id, bytes);
+    gate->Call({this, id, name, caller, {bytes.begin(), bytes.end()}});
+    wake_();
   });
   services_[id] = {std::move(text), std::move(service)};
 }

@@ -7,6 +7,7 @@
 // bug or an attack, and no state of it would be right.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -110,6 +111,7 @@ struct HostDomain {
   TopicReaders readers;                          // of agents
   std::optional<TopicWatch> watch;               // once ticks of the domain wait, as the two below
   std::optional<TickGate> gate;
+  std::atomic<TickGate*> shared_gate = nullptr;  // the same, for threads of DDS
   AgentEndpoints* waiting = nullptr;  // the agent whose ticks wait; null: it has ended
   std::string frame_series;           // of the text: the run and the edition, all but the tick
   bool has_new_readers = false;       // since the last check
@@ -153,6 +155,10 @@ class AgentEndpoints {
   // Of its readers.
   void BeginRound(bool is_new_run);
 
+  // Passes the request to one of its services on.
+  void SendRequest(std::uint32_t service, std::span<const std::byte> request) {
+    Send(LinkKind::kSample, service, request);
+  }
   // Calls of the TickGate.
   // Writes a sample of one of its writers, if that still exists.
   void WriteSample(std::uint32_t id, std::span<const std::byte> bytes);

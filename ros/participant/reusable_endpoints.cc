@@ -147,7 +147,9 @@ void ReusableService::ServeCyclone() {
   if (cyclone_) return;
   Unlist();
   cyclone_.emplace(participant_, spec_,
-                   [this](const void* request, bool) { Pass(wire::SampleToCdr(request, request_)); });
+                   [this](const void* request, dds_instance_handle_t caller) {
+                     Pass(wire::SampleToCdr(request, request_), caller);
+                   });
   List();
   cyclone_->Start();
 }
@@ -177,9 +179,9 @@ void ReusableService::Attach(std::size_t node, Sink sink) {
   List();
   const std::lock_guard lock(mutex_);
   sink_ = std::move(sink);
-  for (const auto& [caller, request] : unanswered_) sink_(request, true);
+  for (const auto& [caller, request] : unanswered_) sink_(request, true, DDS_HANDLE_NIL);
   for (Bytes& request : std::exchange(waiting_, {})) {
-    sink_(request, false);
+    sink_(request, false, DDS_HANDLE_NIL);
     KeepUnanswered(std::move(request));
   }
 }
@@ -191,7 +193,7 @@ void ReusableService::Detach() {
   sink_ = {};
 }
 
-void ReusableService::Pass(std::span<const std::byte> request) {
+void ReusableService::Pass(std::span<const std::byte> request, dds_instance_handle_t caller) {
   const std::lock_guard lock(mutex_);
   Bytes bytes(request.begin(), request.end());
   if (!sink_) {
@@ -199,7 +201,7 @@ void ReusableService::Pass(std::span<const std::byte> request) {
     if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
     return;
   }
-  sink_(request, false);
+  sink_(request, false, caller);
   KeepUnanswered(std::move(bytes));
 }
 

@@ -155,8 +155,9 @@ class ReusableReader {
 
 class ReusableService {
  public:
-  // Receives a request as its CDR bytes. `is_repeated`: an agent before had it.
-  using Sink = std::function<void(std::span<const std::byte> request, bool is_repeated)>;
+  // Receives a request as its CDR bytes. `is_repeated`: an agent before had it. `caller`: as in DdsService, if it is
+  // known.
+  using Sink = std::function<void(std::span<const std::byte> request, bool is_repeated, dds_instance_handle_t caller)>;
 
   // `fast_dds`: serves it too; null: there is none.
   ReusableService(RosParticipant& participant, const ServiceSpec& spec, std::uint32_t domain, FastDdsSide* fast_dds,
@@ -189,7 +190,7 @@ class ReusableService {
   // Lists the endpoints as those of the node, if there is one, and no longer.
   void List();
   void Unlist();
-  void Pass(std::span<const std::byte> request);
+  void Pass(std::span<const std::byte> request, dds_instance_handle_t caller = DDS_HANDLE_NIL);
   void PassOfFastDds(std::span<const std::byte> request);
   // REQUIRES: mutex_ is held.
   void KeepUnanswered(Bytes request);

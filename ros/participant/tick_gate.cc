@@ -103,6 +103,7 @@ void TickGate::Remove(AgentEndpoints& agent) {
   std::erase_if(held_, [&agent](const Held& held) { return held.agent == &agent; });
   if (told_ && told_->agent == &agent) told_.reset();
   asked_.erase(&agent);
+  calls_.Remove(agent);
   UpdateBy(Clock::now());
 }
 
@@ -125,8 +126,16 @@ std::vector<TopicWatch::Unheard> TickGate::FindAwaited() const {
 
 void TickGate::Update() {
   due_.reset();
-  if (!told_) return;
   const Time now = Clock::now();
+  UpdateTick(now);
+  const bool waits = told_ && told_->is_written;
+  const std::optional<Time> calls_due = calls_.Update(waits ? told_->agent : nullptr,
+                                                      waits ? told_->awaited : std::set<std::uint32_t>(), now);
+  if (calls_due) UpdateBy(*calls_due);
+}
+
+void TickGate::UpdateTick(Time now) {
+  if (!told_) return;
   if (!asked_.empty()) {
     if (now - asked_at_ < kMaxShow) return UpdateBy(asked_at_ + kMaxShow);
     asked_.clear();

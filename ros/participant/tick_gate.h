@@ -17,7 +17,7 @@
 // Messages are the same if they have the same bytes on the same topic for the same tick: an agent that is started again
 // shows its tick again. Messages of types without a time may be equal and not the same: these all pass.
 //
-// Used on the thread of the ParticipantServer; NoteReader from any.
+// Used on the thread of the ParticipantServer; NoteReader and Call on any.
 #pragma once
 
 #include <atomic>
@@ -32,6 +32,7 @@
 #include <utility>
 #include <vector>
 
+#include "ros/participant/held_calls.h"
 #include "ros/participant/node_probe.h"
 #include "ros/participant/reusable_endpoints.h"
 #include "ros/participant/topic_watch.h"
@@ -54,7 +55,8 @@ class TickGate {
   };
 
   // Both outlive this.
-  TickGate(const RosParticipant& participant, TopicWatch& watch) : participant_(participant), watch_(watch) {}
+  TickGate(const RosParticipant& participant, TopicWatch& watch)
+      : participant_(participant), watch_(watch), calls_(watch) {}
 
   // Messages are from now on of the tick with this text. False: they are already.
   bool Arm(const std::string& text);
@@ -68,6 +70,8 @@ class TickGate {
   void Remove(AgentEndpoints& agent);
   // A writer of an agent has a new reader.
   void NoteReader();
+  // A service of an agent is called. Update follows. From any thread.
+  void Call(HeldCalls::Call call) { calls_.Add(std::move(call)); }
   // Continues, if what it waited for has come. Throws dds::Exception.
   void Update();
   // When it is to be called in any case.
@@ -97,6 +101,7 @@ class TickGate {
     std::optional<std::set<std::uint32_t>> absent = {};  // as the agent knows them
   };
 
+  void UpdateTick(Time now);
   std::vector<TopicWatch::Unheard> FindAwaited() const;
   // Whether all programs are there; tells the agent which are not.
   bool ArePresent(const std::vector<TopicWatch::Unheard>& unheard, Time now);
@@ -113,6 +118,7 @@ class TickGate {
   TopicWatch& watch_;
   Round round_;
   Round previous_;
+  HeldCalls calls_;
   bool is_closed_ = false;
   std::vector<Held> held_;
   std::size_t held_bytes_ = 0;

@@ -241,6 +241,34 @@ std::vector<TopicWatch::Unheard> TopicWatch::FindUnheard() {
   return unheard;
 }
 
+std::set<std::string> TopicWatch::FindMissing(const void* owner, const std::set<std::uint32_t>& ids) {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> missing;
+  for (const auto& [watched, watch] : watches_) {
+    if (watch.owner == owner && ids.contains(watch.id) && !round_.arrived.contains(watched)) missing.insert(watched);
+  }
+  return missing;
+}
+
+std::set<std::string> TopicWatch::WatchedOf(dds_instance_handle_t program, bool& may_be_node) {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> watched;
+  may_be_node = false;
+  for (const auto& [handle, writer] : writers_) {
+    if (writer.program != program) continue;
+    if (writer.topic != kAnswerTopic) {
+      watched.insert(writer.topic);
+      continue;
+    }
+    const std::size_t before = watched.size();
+    for (const auto& [name, of_name] : heard_) {
+      if (of_name == handle) watched.insert(name);
+    }
+    may_be_node = may_be_node || watched.size() == before;
+  }
+  return watched;
+}
+
 std::vector<std::string> TopicWatch::ParameterServicesOf(dds_instance_handle_t program) const {
   std::vector<std::string> names;
   for (const auto& [reader, service] : parameter_services_) {

@@ -117,6 +117,11 @@ class TopicWatch {
   // The names of the services by which a program on Cyclone DDS tells the parameters of its nodes, each from its node's
   // own thread: "/driver/get_parameters".
   std::vector<std::string> ParameterServicesOf(dds_instance_handle_t program) const;
+  // The topics and nodes among these watches without a message for the armed text.
+  std::set<std::string> FindMissing(const void* owner, const std::set<std::uint32_t>& ids);
+  // What a program writes that is watched: topics, and the nodes that are known by their answers. `may_be_node`: it may
+  // answer as a node that is not known.
+  std::set<std::string> WatchedOf(dds_instance_handle_t program, bool& may_be_node);
   // When a writer or a reader of the domain has last come or gone.
   Time changed_at() const { return changed_at_; }
 

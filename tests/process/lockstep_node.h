@@ -69,6 +69,7 @@ class LockstepNode {
   }
   // Answers beside its own, which no tick may count.
   void SendWrongAnswers() { is_wrong_ = true; }
+  const ros::RosParticipant& participant() const { return participant_; }
   Tick answered() const { return answered_; }  // the newest
   std::size_t answers() const { return answers_; }
   std::string lists() {

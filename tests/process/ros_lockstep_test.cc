@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -42,6 +43,8 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 
 class RosLockstepTest : public LockstepRunTest {};
+
+using SpawnClient = TROUPE_SIMULATION_CLIENT(SpawnEntity);
 
 // As `ros2 topic echo`: a program that reads what the node reads.
 class LateReader {
@@ -209,7 +212,7 @@ TEST_F(RosLockstepTest, ACallOfAServiceBeforeTheAnswerEditsTheTickAndRepeats) {
     Program run = RunPen(Arguments(prefix, {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0"}));
     ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }, kSeconds));
     const ros::RosParticipant participant(TestRosNetwork());
-    TROUPE_SIMULATION_CLIENT(SpawnEntity) spawn(participant, "/world/spawn_entity");
+    SpawnClient spawn(participant, "/world/spawn_entity");
     simulation_interfaces_srv_dds__SpawnEntity_Request_ request{};
     request.name = Text("late");
     request.uri = Text("rover");
@@ -217,6 +220,43 @@ TEST_F(RosLockstepTest, ACallOfAServiceBeforeTheAnswerEditsTheTickAndRepeats) {
     EXPECT_EQ(spawn.ResultOf(request), kOk);
     EXPECT_EQ(Call(control::GetStatus()).tick, 10u);
     driver.Continue();
+    EXPECT_EQ(run.Wait(), 0) << run.output();
+    if (hashes.empty()) hashes = folder_.Read(prefix + "hashes");
+    EXPECT_EQ(folder_.Read(prefix + "hashes"), hashes);
+  }
+}
+
+TEST_F(RosLockstepTest, CallsOfTwoNodesInATickAreExecutedInTheOrderOfTheirNamesWhicheverArrivesFirst) {
+  std::string hashes;
+  for (const auto& order : std::vector<std::vector<std::string>>{{"alpha", "beta"}, {"beta", "alpha"}}) {
+    std::map<std::string, std::unique_ptr<LockstepNode>> nodes;
+    std::map<std::string, std::unique_ptr<SpawnClient>> clients;
+    for (const std::string& name : order) {
+      nodes[name] = std::make_unique<LockstepNode>(NodeOptions{.name = name, .space = name == "alpha" ? "/r0" : "/r1"});
+      nodes[name]->HaltAt(10);
+      clients[name] = std::make_unique<SpawnClient>(nodes[name]->participant(), "/world/spawn_entity",
+                                                    name == "alpha" ? 1 : 2);
+    }
+    const std::string prefix = order.front() + "-";
+    Program run = RunPen(Arguments(prefix, Words("--ros-lockstep alpha,beta --ros-lockstep-limit 0 --ticks 20")));
+    ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }, kSeconds));
+    for (const std::string& name : order) {
+      const std::string robot = "late_" + name;
+      simulation_interfaces_srv_dds__SpawnEntity_Request_ request{};
+      request.name = Text(robot.c_str());
+      request.uri = Text("rover");
+      request.initial_pose.pose = ros::ToMessage(Pose{name == "alpha" ? 1.5 : 0.0, -2.2, 0.0, 0.0});
+      clients[name]->Send(request);
+      clients[name]->AwaitArrival();
+    }
+    for (const auto& called : clients) {
+      SpawnClient& client = *called.second;
+      std::uint8_t result = 0;
+      EXPECT_TRUE(Eventually(
+          [&] { return client.Receive([&](const auto& response) { result = response.result.result; }); }));
+      EXPECT_EQ(result, kOk) << called.first;
+    }
+    for (const auto& [name, node] : nodes) node->Continue();
     EXPECT_EQ(run.Wait(), 0) << run.output();
     if (hashes.empty()) hashes = folder_.Read(prefix + "hashes");
     EXPECT_EQ(folder_.Read(prefix + "hashes"), hashes);
