@@ -78,9 +78,12 @@ void ThreadPool::Run(std::size_t most, const std::function<void(std::size_t)>& w
   for (std::uint32_t left = left_.load(std::memory_order_acquire); left != entered;) {
     left = AwaitChange(left_, left, spins_);
   }
+  std::exception_ptr first;
   for (std::exception_ptr& failure : failures_) {
-    if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
+    std::exception_ptr of_call = std::exchange(failure, nullptr);  // also of the others: they are not of the next Run
+    if (!first) first = std::move(of_call);
   }
+  if (first) std::rethrow_exception(first);
 }
 
 // Fewer threads if the system refuses more.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -418,6 +420,34 @@ double ToNumber(py::handle value, const char* what) {
     throw py::type_error(fmt::format("{}: found {}, expected a number", what, TypeName(value)));
   }
   return number;
+}
+
+std::uint64_t ToSeed(py::handle value, const char* what) {
+  const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  if (!whole) {
+    PyErr_Clear();
+    throw py::type_error(fmt::format("{}: found {}, expected a whole number", what, TypeName(value)));
+  }
+  const unsigned long long seed = PyLong_AsUnsignedLongLong(whole.ptr());
+  if (PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    throw py::value_error(
+        fmt::format("{}: found {}, expected 0 to 18446744073709551615", what, py::str(whole).cast<std::string>()));
+  }
+  return seed;
+}
+
+void CheckFinite(const py::array_t<double>& numbers, const char* what) {
+  const auto end = numbers.data() + numbers.size();
+  const auto bad = std::find_if_not(numbers.data(), end, [](double number) { return std::isfinite(number); });
+  if (bad == end) return;
+  std::string place;
+  py::ssize_t index = bad - numbers.data();
+  for (py::ssize_t axis = numbers.ndim() - 1; axis >= 0; --axis) {
+    place = std::to_string(index % numbers.shape(axis)) + (place.empty() ? "" : ", ") + place;
+    index /= numbers.shape(axis);
+  }
+  throw py::value_error(fmt::format("{}[{}]: found {}, expected a finite number", what, place, *bad));
 }
 
 std::size_t ToIndex(py::handle value, const char* what) {

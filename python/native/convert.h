@@ -9,6 +9,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,5 +53,10 @@ py::array OutputArray(const py::object& out, const std::vector<py::ssize_t>& sha
 // `what` starts the message of the error.
 double ToNumber(py::handle value, const char* what);
 std::size_t ToIndex(py::handle value, const char* what);
+// A whole number of Python or numpy, 0 to 2^64 - 1.
+std::uint64_t ToSeed(py::handle value, const char* what);
+
+// Fails if a number is not finite.
+void CheckFinite(const py::array_t<double>& numbers, const char* what);
 
 }  // namespace troupe::python

@@ -26,7 +26,7 @@ std::string PathOf(const py::object& file) {
 
 SimulationOptions OptionsOf(const py::object& seed, std::optional<std::string> controller, bool run_controllers) {
   SimulationOptions options;
-  if (!seed.is_none()) options.seed = seed.cast<std::uint64_t>();
+  if (!seed.is_none()) options.seed = ToSeed(seed, "seed");
   options.controller = std::move(controller);
   options.run_controllers = run_controllers;
   return options;
@@ -52,6 +52,7 @@ void Drive(const WorldPointer& world, const py::object& motion, const py::object
     throw py::value_error(
         fmt::format("motion: expected an array ({0}, 3) of vx, vy, wz or ({0}, 2) of vx, wz", robots));
   }
+  CheckFinite(twists, "motion");  // before any is driven: an error leaves no robot with half of a command
   const double* row = twists.data();
   const py::ssize_t columns = twists.shape(1);
   for (py::ssize_t i = 0; i < robots; ++i, row += columns) {

@@ -9,6 +9,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,27 +41,27 @@ py::list ToList(const WorldDescription& world, const std::vector<Event>& events)
   return list;
 }
 
-// Rows of a state as an array (rows, columns), from the first number of each.
+// Rows of a state as an array (rows, columns), from the first number of each. A copy: torch and others write into arrays
+// that are not writable, and states share their memory with snapshots and copies of the simulation.
 template <typename Row, typename Value>
-py::array Columns(const std::shared_ptr<const WorldState>& state, const std::vector<Row>& rows, const Value Row::*first,
-                  py::ssize_t columns) {
-  const Value* data = rows.empty() ? nullptr : &(rows.front().*first);
+py::array Columns(const std::vector<Row>& rows, const Value Row::*first, py::ssize_t columns) {
   using Number = std::conditional_t<std::is_class_v<Value>, double, Value>;
   std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(rows.size())};
-  std::vector<py::ssize_t> strides = {static_cast<py::ssize_t>(sizeof(Row))};
-  if (columns > 0) {
-    shape.push_back(columns);
-    strides.push_back(static_cast<py::ssize_t>(sizeof(Number)));
-  }
-  return View(state, reinterpret_cast<const Number*>(data), std::move(shape), std::move(strides));
+  if (columns > 0) shape.push_back(columns);
+  py::array_t<Number> array(std::move(shape));
+  const auto count = static_cast<std::size_t>(std::max<py::ssize_t>(columns, 1));
+  Number* next = array.mutable_data();
+  for (const Row& row : rows) next = std::copy_n(reinterpret_cast<const Number*>(&(row.*first)), count, next);
+  // To write into it would not move a robot.
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
 }
 static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Twist) == 3 * sizeof(double));
 
 template <auto member, py::ssize_t columns, auto table>
 py::array StateView(const WorldPointer& world) {
   const World::Use use(*world);
-  const std::shared_ptr<const WorldState> state = use->shared_state();
-  return Columns(state, (*state).*table, member, columns);
+  return Columns(use->state().*table, member, columns);
 }
 
 py::object Read(const WorldPointer& world, const py::object& robot, const py::object& sensor) {
@@ -227,18 +228,18 @@ empty. pandas.DataFrame(sim.table("doors")) is the same as a data frame. Raises 
 void DefineArrays(StateClass& state) {
   state
       .def_property_readonly("poses", StateView<&RobotState::X_WR, 4, &WorldState::robots>,
-                             "float64 (robots, 4): x, y, z (m) and heading (rad) of each robot in W. A view.")
+                             "float64 (robots, 4): x, y, z (m) and heading (rad) of each robot in W.")
       .def_property_readonly(
           "twists", StateView<&RobotState::twist, 3, &WorldState::robots>,
-          "float64 (robots, 3): vx, vy (m/s) and wz (rad/s) in R, executed in the last tick. A view.")
+          "float64 (robots, 3): vx, vy (m/s) and wz (rad/s) in R, executed in the last tick.")
       .def_property_readonly("stalls", StateView<&RobotState::stalled, 0, &WorldState::robots>,
-                             "bool (robots,): a contact ended the robot's last motion. A view.")
+                             "bool (robots,): a contact ended the robot's last motion.")
       .def_property_readonly("joint_positions", StateView<&JointState::position, 0, &WorldState::joints>,
-                             "float64 (joints,): m or rad. A view.")
+                             "float64 (joints,): m or rad.")
       .def_property_readonly("object_poses", StateView<&ObjectState::X_WO, 4, &WorldState::objects>,
-                             "float64 (objects, 4): as `poses`. A view.")
+                             "float64 (objects, 4): as `poses`.")
       .def_property_readonly("energy", StateView<&StoreState::joules, 0, &WorldState::stores>,
-                             "float64 (stores,): J in each store of energy, in the order of the file. A view.");
+                             "float64 (stores,): J in each store of energy, in the order of the file.");
 }
 
 void DefineReadings(StateClass& state) {
@@ -325,8 +326,8 @@ void DefineState(py::module_& module) {
       module, "State",
       R"(A world at a tick: what can be read of it. A Simulation is one, and so is each state of a Recording.
 
-Arrays of the state are views without a copy of the state at the tick at which they were taken: they can only be read,
-and they stay as they are when the simulation steps on or ends. Numbers of robots, joints, grippers and objects are places in
+Arrays of the state are copies of the state at the tick at which they were taken: they can only be read, and they stay as
+they are when the simulation steps on or ends. Numbers of robots, joints, grippers and objects are places in
 the tuples `robots`, `joints`, `grippers` and `objects`. Robots and sensors may be named by name or number.)");
   DefineFacts(state);
   DefineNames(state);

@@ -64,15 +64,15 @@ class Worlds {
       world->events.clear();
       world->reports.clear();
     }
-    ForEachWorld([ticks](World& world, const std::atomic<bool>& stopped) {
-      for (Tick i = 0; i < ticks && !stopped; ++i) world.StepOnce();
+    ForEachWorld([ticks](World& world, Interrupt& interrupt) {
+      for (Tick i = 0; i < ticks && !interrupt.IsDue(); ++i) world.StepOnce();
     });
   }
 
-  // (worlds, robots, 2 or 3), and of grippers (worlds, grippers, 2)
+  // (worlds, robots, 2 or 3), and of grippers (worlds, grippers, 2). All are checked before any is commanded: an error
+  // leaves no world half commanded.
   void Drive(const py::object& motion, const py::object& grippers) {
     const Uses uses(worlds_);
-    if (!grippers.is_none()) CommandGrippers(grippers);
     const auto twists = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(motion);
     if (!twists) PyErr_Clear();
     if (!twists || twists.ndim() != 3 || twists.shape(0) != static_cast<py::ssize_t>(size()) ||
@@ -80,10 +80,11 @@ class Worlds {
       throw py::value_error(fmt::format(
           "motion: expected an array ({0}, {1}, 3) of vx, vy, wz or ({0}, {1}, 2) of vx, wz", size(), robots()));
     }
+    CheckFinite(twists, "motion");
+    for (const std::shared_ptr<World>& world : worlds_) world->CheckRobots(robots());
+    if (!grippers.is_none()) CommandGrippers(grippers);
     const double* row = twists.data();
     const py::ssize_t columns = twists.shape(2);
-    // All are checked before any is driven: an error leaves no world half commanded.
-    for (const std::shared_ptr<World>& world : worlds_) world->CheckRobots(robots());
     for (const std::shared_ptr<World>& world : worlds_) {
       for (std::size_t i = 0; i < robots(); ++i, row += columns) {
         RaiseIfBad(world->simulation().DriveBy(RobotId(i), {row[0], columns == 3 ? row[1] : 0.0, row[columns - 1]}));
@@ -134,7 +135,7 @@ class Worlds {
   // Calls write(world, row) with the place of each world in an array (worlds, ...) of `Number`.
   template <typename Number, typename Write>
   void Fill(Number* data, std::size_t per_world, const Write& write) {
-    ForEachWorldByIndex([&](std::size_t i, const std::atomic<bool>&) { write(*worlds_[i], data + i * per_world); });
+    ForEachWorldByIndex([&](std::size_t i, Interrupt&) { write(*worlds_[i], data + i * per_world); });
   }
 
   // Of the table `table` of the states: (worlds, rows, columns), or (worlds, rows) for no columns.
@@ -235,7 +236,7 @@ class Worlds {
     py::array_t<Number> numbers({static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(most)});
     Number* const data = numbers.mutable_data();
     const std::int64_t* const counts = rows.data();
-    ForEachWorldByIndex([&](std::size_t world, const std::atomic<bool>&) {
+    ForEachWorldByIndex([&](std::size_t world, Interrupt&) {
       const auto count = static_cast<std::size_t>(counts[world]);
       for (std::size_t row = 0; row < most; ++row) {
         const double number = row < count ? signal.number(views[world], row) : kNoNumber;
@@ -260,13 +261,20 @@ class Worlds {
       throw py::value_error(
           fmt::format("grippers: expected an array ({}, {}, 2) of opening and lift, percent", size(), count));
     }
+    for (py::ssize_t i = 0; i < rows.size(); ++i) {
+      if (const double percent = rows.data()[i]; percent < 0.0 || percent > 100.0) {
+        throw py::value_error(fmt::format("grippers: found {}, expected 0 to 100, or nan", percent));
+      }
+    }
+    for (const std::shared_ptr<World>& world : worlds_) {
+      if (const std::size_t found = world->simulation().world().grippers.size(); found != count) {
+        throw py::value_error(fmt::format("a world has {} grippers, expected {}", found, count));
+      }
+    }
     const double* row = rows.data();
     for (const std::shared_ptr<World>& world : worlds_) {
       Simulation& simulation = world->simulation();
       const std::vector<GripperDescription>& grippers = simulation.world().grippers;
-      if (grippers.size() != count) {
-        throw py::value_error(fmt::format("a world has {} grippers, expected {}", grippers.size(), count));
-      }
       std::vector<Command> commands(simulation.world().robots.size());
       std::vector<std::size_t> counts(commands.size());  // the grippers of a robot are in the order of the world's
       for (const GripperDescription& gripper : grippers) {
@@ -301,39 +309,34 @@ class Worlds {
       }
       return chosen;
     }
+    std::vector<bool> is_chosen(size());
     for (const py::handle row : py::iter(which)) {
       chosen.push_back(ToIndex(row, "which"));
       if (chosen.back() >= size()) {
         throw py::index_error(fmt::format("found world {}, expected one of {}", chosen.back(), size()));
       }
+      // A mask of whole numbers, which is none.
+      if (is_chosen[chosen.back()]) {
+        throw py::value_error(fmt::format("which: found world {} twice, expected each once, or a mask of bool ({},)",
+                                          chosen.back(), size()));
+      }
+      is_chosen[chosen.back()] = true;
     }
     return chosen;
   }
 
   template <typename Work>
   void ForEachWorld(const Work& work) {
-    ForEachWorldByIndex([&](std::size_t i, const std::atomic<bool>& stopped) { work(*worlds_[i], stopped); });
+    ForEachWorldByIndex([&](std::size_t i, Interrupt& interrupt) { work(*worlds_[i], interrupt); });
   }
 
-  // Calls work(i, stopped) on all threads, without the interpreter's lock.
+  // Calls work(i, interrupt) on all threads, without the interpreter's lock.
   template <typename Work>
   void ForEachWorldByIndex(const Work& work) {
-    RunInterruptibly(calls_python_, [&](const std::atomic<bool>& stopped) {
+    RunInterruptibly(calls_python_, [&](Interrupt& interrupt) {
       std::atomic<std::size_t> next = 0;
-      std::atomic<bool> interrupted = false;
-      pool_.Run(pool_.size(), [&](std::size_t number) {
-        auto last = std::chrono::steady_clock::now();
-        for (std::size_t i = next++; i < size() && !stopped && !interrupted; i = next++) {
-          work(i, calls_python_ ? stopped : interrupted);
-          const auto now = std::chrono::steady_clock::now();
-          // Only the calling thread may ask Python for signals; it is number 0 of the pool.
-          if (calls_python_ || number != 0 || now - last < kSignalPeriod) continue;
-          last = now;
-          const py::gil_scoped_acquire acquire;
-          if (PyErr_CheckSignals() == 0) continue;
-          interrupted = true;
-          throw py::error_already_set();
-        }
+      pool_.Run(pool_.size(), [&](std::size_t) {
+        for (std::size_t i = next++; i < size() && !interrupt.IsDue(); i = next++) work(i, interrupt);
       });
     });
   }
@@ -384,7 +387,7 @@ std::vector<std::uint64_t> SeedsOf(const py::object& seeds, std::size_t count, s
     for (std::size_t i = 0; i < count; ++i) list.push_back(first + i);
     return list;
   }
-  list = seeds.cast<std::vector<std::uint64_t>>();
+  for (const py::handle seed : py::iter(seeds)) list.push_back(ToSeed(seed, "seeds"));
   if (list.size() != count) throw py::value_error(fmt::format("seeds: found {}, expected {}", list.size(), count));
   return list;
 }

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <atomic>
 #include <chrono>
 #include <exception>
 #include <future>
+#include <optional>
+#include <thread>
 #include <utility>
 
 #include "python/native/convert.h"
@@ -25,6 +28,20 @@ std::string NamesOf(const WorldDescription& world) {
   return names.empty() ? "a world with robots" : fmt::format("one of: {}", fmt::join(names, ", "));
 }
 
+constexpr auto kMaxReturn = std::chrono::seconds(1);  // of a controller, after Ctrl-C
+constexpr auto kMaxEnd = std::chrono::seconds(10);
+
+std::atomic<int> calls = 0;  // of RunInterruptibly and of World::Load
+std::atomic<bool> is_ending = false;
+
+// One of them. REQUIRES: the interpreter's lock, at the begin and at the end.
+struct Running {
+  Running() { ++calls; }
+  ~Running() { --calls; }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+};
+
 }  // namespace
 
 void Raise(const Error& error) {
@@ -42,32 +59,70 @@ void RaiseIfBad(const Status& status) {
   if (!status.ok()) Raise(status.error());
 }
 
-void RunInterruptibly(bool calls_python, const std::function<void(const std::atomic<bool>& stopped)>& work) {
-  std::atomic<bool> stopped = false;
+bool Interrupt::HasSignal() {
+  if (is_due_ || PyErr_CheckSignals() == 0) return false;
+  signal_ = std::make_exception_ptr(py::error_already_set());
+  is_due_ = true;
+  return true;
+}
+
+bool Interrupt::IsDue() {
+  if (is_due_ || is_ending) return true;
+  if (!looks_for_signals_ || std::this_thread::get_id() != caller_) return false;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_ < kSignalPeriod) return false;
+  last_ = now;
+  const py::gil_scoped_acquire acquire;
+  return HasSignal();
+}
+
+void Interrupt::RethrowSignal() const {
+  if (signal_) std::rethrow_exception(signal_);
+}
+
+void RunInterruptibly(bool calls_python, const std::function<void(Interrupt& interrupt)>& work) {
+  Interrupt interrupt(!calls_python);
+  const Running running;
   if (!calls_python) {
     const py::gil_scoped_release release;
-    work(stopped);
-    return;
-  }
-  std::exception_ptr interrupt;
-  {
+    work(interrupt);
+  } else {
     const py::gil_scoped_release release;
-    std::future<void> done = std::async(std::launch::async, [&] { work(stopped); });
+    std::atomic<unsigned long> worker = 0;
+    std::future<void> done = std::async(std::launch::async, [&] {
+      worker = PyThread_get_thread_ident();
+      work(interrupt);
+    });
+    std::optional<std::chrono::steady_clock::time_point> raise_at;  // in a controller that does not return
     while (done.wait_for(kSignalPeriod) != std::future_status::ready) {
       const py::gil_scoped_acquire acquire;
-      if (!stopped && PyErr_CheckSignals() != 0) {
-        interrupt = std::make_exception_ptr(py::error_already_set());
-        stopped = true;
-      }
+      const auto now = std::chrono::steady_clock::now();
+      if (interrupt.HasSignal()) raise_at = now + kMaxReturn;
+      if (!raise_at || now < *raise_at) continue;
+      PyThreadState_SetAsyncExc(worker, PyExc_KeyboardInterrupt);
+      raise_at = now + kMaxReturn;
     }
     done.get();
   }
-  if (interrupt) std::rethrow_exception(interrupt);
+  interrupt.RethrowSignal();
+  // Ends a thread without a message.
+  if (is_ending) {
+    PyErr_SetNone(PyExc_SystemExit);
+    throw py::error_already_set();
+  }
+}
+
+void AwaitCalls() {
+  is_ending = true;
+  const py::gil_scoped_release release;
+  const auto end = std::chrono::steady_clock::now() + kMaxEnd;
+  while (calls > 0 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 std::shared_ptr<SteppedWorld> World::Load(const std::string& file, const SimulationOptions& options) {
   std::optional<Result<Simulation>> loaded;
   {
+    const Running running;
     const py::gil_scoped_release release;
     loaded.emplace(Simulation::Load(file, options));
   }
@@ -193,18 +248,10 @@ void World::Step(Tick ticks, const std::function<bool(const Simulation&)>& goes_
   const Use use(*this);
   events.clear();
   reports.clear();
-  RunInterruptibly(calls_python_, [&](const std::atomic<bool>& stopped) {
-    auto last = std::chrono::steady_clock::now();
-    for (Tick i = 0; i < ticks && !stopped; ++i) {
+  RunInterruptibly(calls_python_, [&](Interrupt& interrupt) {
+    for (Tick i = 0; i < ticks && !interrupt.IsDue(); ++i) {
       StepOnce();
       if (goes_on && !goes_on(simulation_)) break;
-      // A single tick ends soon: a loop in Python looks for signals by itself.
-      if (calls_python_ || ticks == 1) continue;
-      const auto now = std::chrono::steady_clock::now();
-      if (now - last < kSignalPeriod) continue;
-      last = now;
-      const py::gil_scoped_acquire acquire;
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
   });
 }

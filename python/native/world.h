@@ -6,7 +6,11 @@
 // its own simulation would wait for itself.
 //
 // Ctrl-C: signal handlers of Python run in its main thread only when that asks; steps ask every 20 ms. With controllers
-// in Python the work is on another thread, so that the exception of a signal cannot arise inside a controller.
+// in Python the work is on another thread, so that the exception of a signal cannot arise inside a controller; in one that
+// does not return within a second it is raised all the same.
+//
+// The end of Python: a thread that wants the interpreter's lock back then is ended in the middle of C++, which aborts the
+// process. So long work ends early, and the end waits for it (AwaitCalls).
 //
 // Errors of the library become InputError or RunError with file, line and column; wrong arguments become Python's own.
 #pragma once
@@ -16,11 +20,13 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/signals/state_tables.h"
@@ -42,10 +48,34 @@ Value ValueOf(Result<Value> result) {
   return std::move(result).value();
 }
 
-// Calls work(stopped) without the interpreter's lock, and throws KeyboardInterrupt as soon as `work` has seen that
-// `stopped` has become true, because of Ctrl-C. With `calls_python` it works on another thread: a signal's exception
-// must not arise in a controller, which the main thread would run.
-void RunInterruptibly(bool calls_python, const std::function<void(const std::atomic<bool>& stopped)>& work);
+// Whether long work is to end early: because of Ctrl-C, or of the end of Python. From any thread.
+class Interrupt {
+ public:
+  // `looks_for_signals`: the thread of the constructor does, in IsDue.
+  explicit Interrupt(bool looks_for_signals) : looks_for_signals_(looks_for_signals) {}
+
+  // To be asked often, without the interpreter's lock.
+  bool IsDue();
+  // With the interpreter's lock: whether a handler of a signal has raised an exception.
+  bool HasSignal();
+  // Throws that exception, if there is one.
+  void RethrowSignal() const;
+
+ private:
+  const bool looks_for_signals_;
+  const std::thread::id caller_ = std::this_thread::get_id();
+  std::atomic<bool> is_due_ = false;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();  // of the caller
+  std::exception_ptr signal_;
+};
+
+// Calls work(interrupt) without the interpreter's lock, and throws KeyboardInterrupt when `work` has ended because of
+// Ctrl-C. With `calls_python` it works on another thread: a signal's exception must not arise in a controller, which the
+// main thread would run.
+void RunInterruptibly(bool calls_python, const std::function<void(Interrupt& interrupt)>& work);
+
+// To be called once when Python begins to end: ends calls of RunInterruptibly on all threads, and waits for them.
+void AwaitCalls();
 
 using SnapshotPointer = std::shared_ptr<Snapshot>;
 

@@ -79,22 +79,22 @@ class State:
     def robot(self, robot: _Robot) -> RobotInfo: ...
     @property
     def poses(self) -> _Array:
-        """(robots, 4): x, y, z (m), heading (rad) in W. A view."""
+        """(robots, 4): x, y, z (m), heading (rad) in W."""
     @property
     def twists(self) -> _Array:
-        """(robots, 3): vx, vy (m/s), wz (rad/s) in R, executed in the last tick. A view."""
+        """(robots, 3): vx, vy (m/s), wz (rad/s) in R, executed in the last tick."""
     @property
     def stalls(self) -> NDArray[numpy.bool_]:
-        """(robots,): a contact ended the last motion. A view."""
+        """(robots,): a contact ended the last motion."""
     @property
     def joint_positions(self) -> _Array:
-        """(joints,): m or rad. A view."""
+        """(joints,): m or rad."""
     @property
     def object_poses(self) -> _Array:
-        """(objects, 4), as poses. A view."""
+        """(objects, 4), as poses."""
     @property
     def energy(self) -> _Array:
-        """(stores,): J. A view."""
+        """(stores,): J."""
     def read(self, robot: _Robot, sensor: _Robot) -> Reading:
         """The reading of a sensor, by name, type or number. Whether it is read changes nothing."""
     def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray] = None) -> numpy.ndarray:

@@ -296,6 +296,86 @@ class Controllers(unittest.TestCase):
         out, _ = child.communicate(timeout=60)
         self.assertEqual(out, "stopped []\n")
 
+    def two_folders(self):
+        for folder, speed in (("A", 0.1), ("B", 0.3)):
+            os.mkdir(self.path(folder))
+            os.mkdir(self.path(f"{folder}/parts"))
+            self.write(f"{folder}/common.py", f"V = {speed}\n")
+            self.write(f"{folder}/parts/__init__.py", "from .wheel import turn\nimport common\n")
+            self.write(f"{folder}/parts/wheel.py", f"def turn():\n    import common\n    return common.V - {speed}\n")
+            self.write(f"{folder}/c.py", """
+                import common, parts.wheel
+                class C:
+                    def __init__(self, robot): pass
+                    def update(self, seen):
+                        from parts import turn
+                        import common as later
+                        return (common.V if later is common else 9.0), turn() + parts.wheel.turn()
+                """)
+        regions = {"A": [-12, -8, 0, 8], "B": [1, -8, 12, 8]}
+        return self.scenario("", spawn=[
+            {"model": "scout", "count": 2, "region": region, "name_prefix": name.lower(), "controller": {"name": f"./{name}/c.py:C"}}
+            for name, region in regions.items()])
+
+    @staticmethod
+    def speeds(sim):
+        """Of the robots that no wall stops."""
+        return {round(speed, 3) for speed in sim.twists[:, 0] if speed}
+
+    def test_folders_may_have_modules_of_one_name(self):
+        scenario = self.two_folders()
+        sim = troupe.Simulation(scenario)
+        sim.step(3)
+        self.assertEqual(sim.failures, [])
+        self.assertEqual(self.speeds(sim), {0.1, 0.3})
+        sim.step(57)
+        for arguments in (["--in-process"], ["--robots-per-process", 1]):
+            self.assertEqual(logged(scenario, self.folder.name, *arguments)[60], sim.state_hash, arguments)
+        self.assertNotIn("common", sys.modules)
+
+    def test_a_module_beside_a_controller_is_loaded_again_after_a_change(self):
+        scenario = self.two_folders()
+        troupe.Simulation(scenario).step(3)
+        self.write("A/common.py", "V = 0.25  # m/s\n")
+        sim = troupe.Simulation(scenario)
+        sim.step(3)
+        self.assertEqual(self.speeds(sim), {0.25, 0.3})
+
+    def test_an_error_names_the_line_of_the_module_beside_it(self):
+        self.write("helper.py", "def half(x):\n    return x / 0\n")
+        self.write("c.py", """
+            import helper
+            class C:
+                def __init__(self, robot): pass
+                def update(self, seen): return helper.half(1), 0
+            """)
+        sim = troupe.Simulation(self.scenario("./c.py:C", robots=1))
+        sim.step(1)
+        self.assertIn("helper.py:2: ZeroDivisionError", sim.failures[0])
+        self.write("c.py", "import helper, nonesuch_module\nclass C:\n    def update(self, seen): return None\n")
+        with self.assertRaisesRegex(troupe.Error, "c.py:1: ModuleNotFoundError: No module named 'nonesuch_module'"):
+            troupe.Simulation(self.scenario("./c.py:C", robots=1))
+
+    def test_ctrl_c_ends_a_loop_in_a_controller(self):
+        self.write("loop.py", """
+            class Loop:
+                def __init__(self, robot): pass
+                def update(self, seen):
+                    if seen.tick == 3:
+                        print("on", flush=True)
+                        while True: pass
+            """)
+        code = "import signal, troupe; signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
+               f"s = troupe.Simulation({self.scenario('./loop.py:Loop', robots=1)!r})\n" \
+               "try:\n s.step(10)\n" \
+               "except KeyboardInterrupt:\n print('stopped', s.failures)"
+        child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(child.kill)
+        self.assertEqual(child.stdout.readline(), "on\n")
+        child.send_signal(signal.SIGINT)
+        out, _ = child.communicate(timeout=60)
+        self.assertRegex(out, r"stopped \['.*loop.py:\d+: KeyboardInterrupt'\]")
+
 
 if __name__ == "__main__":
     unittest.main()

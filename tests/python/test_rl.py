@@ -76,6 +76,11 @@ class Parallel(unittest.TestCase):
         env.reset(seed=9)
         self.assertNotEqual(env.state_hash, hashes[0][0][0])
 
+    def test_the_space_of_states(self):
+        env = rl.ParallelEnv(rl.Navigation())
+        env.reset(seed=1)
+        self.assertTrue(env.state_space.contains(env.state()))
+
     def test_render(self):
         env = rl.ParallelEnv(rl.Navigation())
         env.reset(seed=0)
@@ -123,10 +128,40 @@ class Vector(unittest.TestCase):
         self.assertEqual(seen["disabled"][6][5], [14, 14])
         env.reset(options={"reset_mask": numpy.array([False, True])})
         self.assertEqual(env.simulations.ticks.tolist(), [14, 0])
-        with self.assertRaises(ValueError):
-            env.reset(options={"reset_mask": [True]})
+        self.assertEqual(seen["same_step"][4][4]["_final_info"].tolist(), [True, True])
+        for wrong in ([True], [1, 0]):
+            with self.assertRaises(ValueError):
+                env.reset(options={"reset_mask": wrong})
         with self.assertRaises(ValueError):
             rl.VectorEnv(Short(), 1, autoreset="never")
+
+    def test_an_evaluation_between_two_steps_changes_nothing(self):
+        for kind in TASKS:
+            task = kind()
+            train, alone = (rl.VectorEnv(each, 4, autoreset="disabled") for each in (task, kind()))
+            still = numpy.zeros(train.action_space.shape)
+            train.reset(seed=1)
+            alone.reset(seed=1)
+            for episodes in (4, 2):
+                rl.ParallelEnv(task).reset(seed=3)
+                rl.VectorEnv(task, episodes).reset(seed=2)
+                for one, other in zip(train.step(still)[:4], alone.step(still)[:4]):
+                    self.assertTrue((one == other).all(), kind)
+
+    def test_seeds_may_be_numbers_of_numpy_and_are_those_of_the_mask(self):
+        env = rl.VectorEnv(rl.Navigation(), 2, autoreset="disabled")
+        both = env.reset(seed=[5, 6])[0]
+        for seeds in (numpy.array([5, 6]), (5, 6), numpy.int64(5), 5):
+            self.assertTrue((env.reset(seed=seeds)[0] == both).all(), seeds)
+        env.reset(seed=[1, 2])
+        self.assertTrue((env.reset(seed=[5, 6], options={"reset_mask": numpy.array([False, True])})[0][1] == both[1]).all())
+        again = env.reset(options={"reset_mask": numpy.array([True, False])})[0][0]
+        env.reset(seed=[1, 2])
+        self.assertTrue((env.reset()[0][0] == again).all())  # the other world's generator was not touched
+        env.reset(seed=[None, 3])
+        for wrong, kind in ((1.5, TypeError), (-1, ValueError), ([1], ValueError), ([1, -2], ValueError)):
+            with self.assertRaises(kind):
+                env.reset(seed=wrong)
 
     def test_hashes_do_not_depend_on_the_threads(self):
         found = []

@@ -1,4 +1,5 @@
 import copy
+import ctypes
 import gc
 import pickle
 import signal
@@ -19,23 +20,28 @@ class Reading(unittest.TestCase):
     def setUp(self):
         self.sim = troupe.Simulation(SWARM)
 
-    def test_views_have_the_documented_shapes_and_types(self):
+    def test_arrays_have_the_documented_shapes_and_types(self):
         n = len(self.sim.robots)
         self.assertEqual(n, 100)
         for name, shape, kind in [("poses", (n, 4), "f8"), ("twists", (n, 3), "f8"), ("stalls", (n,), "?")]:
             array = getattr(self.sim, name)
             self.assertEqual((array.shape, array.dtype), (shape, numpy.dtype(kind)), name)
 
-    def test_views_are_without_a_copy_and_cannot_be_written(self):
-        poses = self.sim.poses
-        self.assertFalse(poses.flags.owndata)
-        self.assertTrue(numpy.shares_memory(poses, self.sim.poses))
-        with self.assertRaises(ValueError):
-            poses[0, 0] = 1.0
-        with self.assertRaises(ValueError):
-            poses.flags.writeable = True
+    def test_writing_into_an_array_is_refused_and_changes_no_state(self):
+        snapshot, fork, before = self.sim.save(), self.sim.copy(), self.sim.state_hash
+        for name in ("poses", "twists", "stalls", "joint_positions", "object_poses", "energy"):
+            array = getattr(self.sim, name)
+            if array.size:
+                with self.assertRaises(ValueError):
+                    array.flat[0] = 1.0
+            # As torch does, which ignores the flag.
+            ctypes.memset(array.ctypes.data, 0, array.nbytes)
+        self.assertEqual((self.sim.state_hash, fork.state_hash), (before, before))
+        self.sim.restore(snapshot)
+        self.assertEqual(self.sim.state_hash, before)
+        self.assertTrue(self.sim.poses.any())
 
-    def test_views_keep_their_tick_and_outlive_the_simulation(self):
+    def test_arrays_keep_their_tick_and_outlive_the_simulation(self):
         before = self.sim.poses
         copied = before.copy()
         self.sim.step(20)
@@ -280,6 +286,40 @@ class Robustness(unittest.TestCase):
         child.send_signal(signal.SIGINT)
         out, _ = child.communicate(timeout=60)
         self.assertEqual((out, child.returncode), ("stopped True\n", 0))
+
+    def test_python_ends_while_a_daemon_thread_steps(self):
+        code = "import sys, threading, time, troupe\n" \
+               f"s = troupe.Simulation({str(SWARM)!r})\n" \
+               "threading.Thread(target=s.step, args=(10**9,), daemon=True).start()\n" \
+               f"v = troupe.VectorSimulation({str(SWARM)!r}, 2)\n" \
+               "threading.Thread(target=v.step, args=(10**9,), daemon=True).start()\n" \
+               "time.sleep(0.2)"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+
+    def test_a_seed_is_a_whole_number_of_python_or_numpy(self):
+        for seed, kind, text in [(-1, ValueError, "found -1, expected 0 to"), (2**64, ValueError, "found 18446744073709551616"),
+                                 (1.5, TypeError, "found float, expected a whole number"), ("7", TypeError, "found str")]:
+            with self.assertRaisesRegex(kind, text):
+                troupe.Simulation(SWARM, seed=seed)
+            with self.assertRaisesRegex(kind, text):
+                troupe.VectorSimulation(SWARM, 2, seeds=[1, seed])
+        with self.assertRaisesRegex(TypeError, "seeds: found NoneType"):
+            troupe.VectorSimulation(SWARM, 2, seeds=[1, None])
+        expected = troupe.Simulation(SWARM, seed=5).state_hash
+        self.assertEqual(troupe.Simulation(SWARM, seed=numpy.uint32(5)).state_hash, expected)
+        vector = troupe.VectorSimulation(SWARM, 2, seeds=numpy.array([4, 5]))
+        self.assertEqual(int(vector.state_hashes[1]), expected)
+
+    def test_an_array_that_is_not_finite_drives_no_robot(self):
+        sim = troupe.Simulation(SWARM, run_controllers=False)
+        motion = numpy.full((len(sim.robots), 2), 0.3)
+        motion[7, 1] = numpy.nan
+        with self.assertRaisesRegex(ValueError, r"motion\[7, 1\]: found nan, expected a finite number"):
+            sim.drive(motion)
+        before = sim.poses
+        sim.step(5)
+        self.assertTrue((sim.poses == before).all())
 
     def test_import_needs_neither_numpy_nor_the_library(self):
         code = "import sys, troupe; print('numpy' in sys.modules, 'troupe._troupe' in sys.modules, 'Pose' in dir(troupe))"

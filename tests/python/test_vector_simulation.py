@@ -1,5 +1,6 @@
 import subprocess
 import sys
+import signal
 import unittest
 
 import numpy
@@ -136,6 +137,40 @@ print((used() - before) / 33)
 """
         out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
         self.assertLess(float(out), 1e6)  # bytes
+
+
+class Misuse(unittest.TestCase):
+    def test_ctrl_c_ends_a_long_step(self):
+        code = "import signal, troupe; signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
+               f"v = troupe.VectorSimulation({str(SWARM)!r}, 3, threads=2)\n" \
+               "try:\n print('on', flush=True); v.step(10**9)\n" \
+               "except KeyboardInterrupt:\n v.step(1); print('stopped', v.ticks.min() > 0)"
+        child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(child.kill)
+        self.assertEqual(child.stdout.readline(), "on\n")
+        child.send_signal(signal.SIGINT)
+        out, _ = child.communicate(timeout=60)
+        self.assertEqual((out, child.returncode), ("stopped True\n", 0))
+
+    def test_a_command_that_is_wrong_in_one_place_drives_no_world(self):
+        vector = troupe.VectorSimulation(SWARM, 2, run_controllers=False)
+        motion = numpy.full((2, vector.num_robots, 2), 0.3)
+        motion[1, 4, 0] = numpy.inf
+        with self.assertRaisesRegex(ValueError, r"motion\[1, 4, 0\]: found inf"):
+            vector.drive(motion)
+        before = vector.poses()
+        vector.step(5)
+        self.assertTrue((vector.poses() == before).all())
+
+    def test_a_mask_of_whole_numbers_is_refused(self):
+        vector = troupe.VectorSimulation(SWARM, 3)
+        vector.step(2)
+        for mask in ([1, 0, 1], numpy.array([0, 0, 1])):
+            with self.assertRaisesRegex(ValueError, "twice, expected each once, or a mask of bool"):
+                vector.reset(mask)
+        self.assertEqual(vector.ticks.tolist(), [2, 2, 2])
+        vector.reset([2, 0])
+        self.assertEqual(vector.ticks.tolist(), [0, 2, 0])
 
 
 if __name__ == "__main__":

@@ -65,7 +65,7 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
   if (control::Is<control::Step>(request)) return EnqueueStep(std::move(open), now);
   if (const auto* const speed = std::get_if<control::Speed>(&request))
     return ReplyWith(open, SetSpeed(speed->speed, now));
-  ReplyWith(open, CommandRobot(std::get<control::CommandRobot>(request), now));
+  ExecuteInput(std::move(open), now);
 }
 
 Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
@@ -77,7 +77,6 @@ Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
 }
 
 Status RunControl::CommandRobot(const control::CommandRobot& request, double now) {
-  if (run_.phase == RunPhase::kGathering) return BadInput("the run has not begun; no robot can be commanded before");
   const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
   if (!robot) return BadInput("the world has no robot '" + request.name + "'");
   RobotCommand command{*robot, request.twist, request.grippers, request.goal};
@@ -106,7 +105,8 @@ void RunControl::ExecuteInput(OpenRequest open, double now) {
   if (!has_begun()) return Reply(open, BadInput("the run has not begun; nothing can be changed before"));
   // A run that is continued: its inputs wait until the agents have rejoined, rather than being refused by chance.
   if (run_.phase == RunPhase::kGathering) return early_.push_back(std::move(open));
-  ReplyWith(open, AddInput(open.request, now));
+  const auto* const command = std::get_if<control::CommandRobot>(&open.request);
+  ReplyWith(open, command != nullptr ? CommandRobot(*command, now) : AddInput(open.request, now));
 }
 
 Status RunControl::AddInput(const control::Request& request, double now) {

@@ -86,6 +86,7 @@ class RunControl {
   void Accept(const OpenRequest& open) const { Reply(open, std::vector<EntityReport>()); }
   Status SetSpeed(const std::optional<double>& speed, double now);
   Status CommandRobot(const control::CommandRobot& request, double now);
+  // An input of a tick, or a command of a robot.
   void ExecuteInput(OpenRequest open, double now);
   Status AddInput(const control::Request& request, double now);
   Result<std::vector<EntityReport>> Entities(const control::Entities& query) const;

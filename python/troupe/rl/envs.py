@@ -9,8 +9,10 @@ The same seed and actions give the same observations and state hashes: all chanc
 
 from __future__ import annotations
 
+import copy
 import importlib
 import json
+import operator
 import tempfile
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
@@ -27,6 +29,16 @@ def _base(module: str, name: str) -> type:
         return getattr(importlib.import_module(module), name)
     except ImportError:
         return object
+
+
+def _whole(seed: Any) -> int:
+    try:
+        number = operator.index(seed)
+    except TypeError:
+        raise TypeError(f"seed: found {type(seed).__name__}, expected a whole number") from None
+    if number < 0:
+        raise ValueError(f"seed: found {number}, expected a number from 0")
+    return number
 
 
 class _Travel:
@@ -50,13 +62,14 @@ class Episodes:
     """Copies of a task's world, and the episodes in them. Both environments are made of it.
 
     A world begins each episode at one of `starts` places of its robots, which the seeds 1, 2, ... of the scenario give, by
-    the generator of its own: the same seed and actions give the same episodes and state hashes.
+    the generator of its own: the same seed and actions give the same episodes and state hashes. `task` is copied: a task keeps
+    what its episodes need, so that each environment has one of its own.
     """
 
     def __init__(self, task: Task, count: int, *, threads: int = 0, starts: int = 16) -> None:
-        self.task = task
+        self.task = copy.deepcopy(task)
         with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-            json.dump(task.scenario(), file)
+            json.dump(self.task.scenario(), file)
             file.flush()
             self._starts = []
             self._start_poses: List[numpy.ndarray] = []
@@ -72,11 +85,11 @@ class Episodes:
         self._twists = numpy.zeros((*shape, 3))
         self._stalls = numpy.zeros(shape)
         self._contacts = numpy.zeros(shape)
-        self._ranges = numpy.zeros((*shape, sim.ranges(task.sensor).shape[1] if task.sensor else 0))
+        self._ranges = numpy.zeros((*shape, sim.ranges(self.task.sensor).shape[1] if self.task.sensor else 0))
         self._objects = numpy.zeros((count, len(sim.objects), 4))
         self._joints = numpy.zeros((count, len(sim.joints)))
         self._held = numpy.full((count, len(sim.grippers)), -1.0)
-        if task.gripper:
+        if self.task.gripper:
             self._lifts, self._fingers = (_Travel(sim, part) for part in ("lift", "left"))
         self._energy = numpy.zeros((count, len(sim.energy)))
         self._steps = numpy.zeros(count, int)
@@ -89,12 +102,22 @@ class Episodes:
     def observation_size(self) -> int:
         return self._ranges.shape[2] + 3 + self.task.extra
 
-    def seed(self, seed: Union[None, int, Sequence[Optional[int]]]) -> None:
-        """Of the generators of all worlds: one each, or n for n, n + 1, ...; None: of the operating system's chance."""
-        seeds = [None if seed is None else seed + i for i in range(len(self))] if not isinstance(seed, Sequence) else seed
+    def seed(self, seed: Any, which: Optional[numpy.ndarray] = None) -> None:
+        """Of the generators of the worlds of a mask, or of all: a list with a seed for each world, or n for n, n + 1, ...; None: of
+        the operating system's chance."""
+        if seed is None:
+            seeds = [None] * len(self)
+        elif numpy.ndim(seed) == 0:
+            seeds = [_whole(seed) + i for i in range(len(self))]
+        else:
+            seeds = [None if each is None else _whole(each) for each in seed]
         if len(seeds) != len(self):
             raise ValueError(f"seed: found {len(seeds)} seeds, expected {len(self)}")
-        self.generators = [numpy.random.default_rng(each) for each in seeds]
+        if which is None:
+            self.generators = [numpy.random.default_rng(each) for each in seeds]
+            return
+        for i in numpy.nonzero(which)[0]:
+            self.generators[i] = numpy.random.default_rng(seeds[i])
 
     @property
     def action_size(self) -> int:
@@ -164,8 +187,8 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
     def __init__(self, task: Task, *, render_mode: Optional[str] = None) -> None:
         self.metadata = {"name": f"troupe_{task.name}_v0", "render_modes": ["rgb_array", "png"], "is_parallelizable": True}
         self.render_mode = render_mode
-        self.task = task
         self._episodes = Episodes(task, 1, threads=1)
+        self.task = self._episodes.task
         self.possible_agents = list(self._episodes.robots)
         self.agents: List[str] = []
         size = self._episodes.observation_size
@@ -213,6 +236,10 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
 
     def _by_name(self, rows: numpy.ndarray, kind: Callable = lambda row: row) -> dict:
         return {name: kind(row) for name, row in zip(self.possible_agents, rows) if name in self.agents}
+
+    @property
+    def state_space(self) -> Any:
+        return Box(-numpy.inf, numpy.inf, (4 * len(self.possible_agents),))
 
     def state(self) -> numpy.ndarray:
         """The poses of all robots, (robots * 4,), float32."""
@@ -262,7 +289,6 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
     def __init__(self, task: Task, num_envs: int, *, autoreset: str = "next_step", threads: int = 0) -> None:
         if autoreset not in AUTORESET:
             raise ValueError(f"autoreset: found {autoreset!r}, expected one of {', '.join(AUTORESET)}")
-        self.task = task
         self.num_envs = num_envs
         self.render_mode = None
         self.spec = None
@@ -270,6 +296,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self.autoreset = autoreset
         self.metadata = {"autoreset_mode": _autoreset_value(autoreset), "render_modes": []}
         self._episodes = Episodes(task, num_envs, threads=threads)
+        self.task = self._episodes.task
         robots, size = len(self._episodes.robots), self._episodes.observation_size
         actions = self._episodes.action_size
         self.single_observation_space = Box(-numpy.inf, numpy.inf, (robots, size))
@@ -289,14 +316,15 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
             self._done[which] = False
             self._over[which] = False
 
-    def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None, options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
+    def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
+              options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
         which = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
-            which = numpy.asarray(options["reset_mask"], bool)
-            if which.shape != (self.num_envs,):
-                raise ValueError(f"reset_mask: found the shape {which.shape}, expected ({self.num_envs},)")
+            which = numpy.asarray(options["reset_mask"])
+            if which.shape != (self.num_envs,) or which.dtype != bool:
+                raise ValueError(f"reset_mask: found {which.dtype} of the shape {which.shape}, expected bool ({self.num_envs},)")
         if seed is not None:
-            self._episodes.seed(seed)
+            self._episodes.seed(seed, which)
         self._begin(which)
         return self._episodes.observe(), {}
 
@@ -318,7 +346,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
             final = numpy.full(self.num_envs, None, object)
             for i in numpy.nonzero(self._over)[0]:
                 final[i] = observations[i]
-            infos = {"final_obs": final, "_final_obs": self._over.copy()}
+            infos = {"final_obs": final, "_final_obs": self._over.copy(), "final_info": {}, "_final_info": self._over.copy()}
             # A copy: the beginning clears the mask while it is read.
             self._begin(self._over.copy())
             observations = self._episodes.observe()

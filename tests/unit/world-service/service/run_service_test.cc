@@ -317,6 +317,18 @@ TEST_F(ResumedRunTest, BeginsWithTheNewestFrameWhenAllAgentsAreBack) {
   EXPECT_NEAR(Travel(0), 0.2, 1e-12);
 }
 
+TEST_F(ResumedRunTest, ExecutesCommandsOnceAllAgentsAreBack) {
+  MakeAndStart(1);
+  Resume();
+  std::vector<ControlReply> replies;
+  const auto reply = [&replies](const ControlReply& one) { replies.push_back(one); };
+  coordinator->Control(control::CommandRobot{.name = "r0", .twist = Twist{0.5, 0.0, 0.0}, .ticks = 3}, reply, now);
+  EXPECT_THAT(replies, IsEmpty());
+  Rejoin(1);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_TRUE(replies[0].done) << replies[0].problem;
+}
+
 TEST_F(ResumedRunTest, IgnoresMessagesForTheServiceBefore) {
   MakeAndStart(1);
   Resume();
