@@ -322,7 +322,7 @@ TEST_F(ResumedRunTest, ExecutesCommandsOnceAllAgentsAreBack) {
   Resume();
   std::vector<ControlReply> replies;
   const auto reply = [&replies](const ControlReply& one) { replies.push_back(one); };
-  coordinator->Control(control::CommandRobot{.name = "r0", .twist = Twist{0.5, 0.0, 0.0}, .ticks = 3}, reply, now);
+  coordinator->Control(control::CommandRobot{.name = "r0", .ticks = 3, .twist = Twist{0.5, 0.0, 0.0}}, reply, now);
   EXPECT_THAT(replies, IsEmpty());
   Rejoin(1);
   ASSERT_EQ(replies.size(), 1u);
