@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "command_line/terminal.h"
+#include "common/base/file.h"
 #include "common/base/or_failure.h"
 #include "common/base/print.h"
 #include "common/base/source_text.h"
@@ -87,7 +88,10 @@ class NewAgents {
   // Merges their scans into the file of the first agent. REQUIRES: Join was called.
   Status MergeScans() {
     if (options_.scan_log.empty()) return Status();
-    if (scan_files_.empty()) return WriteWholeFile(options_.scan_log, "");  // a world without robots
+    std::error_code unknown;
+    const bool has_scans = std::filesystem::exists(options_.scan_log, unknown);
+    if (!has_scans) return WriteWholeFile(options_.scan_log, "");  // of a world without robots
+    if (scan_files_.empty()) return Status();
     const Result<std::string> all = scan_parts_.Add();
     if (!all.ok()) return all.error();
     scan_files_.insert(scan_files_.begin(), options_.scan_log);

@@ -11,8 +11,9 @@ import subprocess
 import sys
 import time
 
-sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+sys.path[1:1] = [str(pathlib.Path(__file__).resolve().parents[up] / folder) for up, folder in ((1, "python"), (2, "scripts"))]
 from page_client import PageClient
+from run_processes import reserve_domain
 
 SECONDS = 100
 WORLD, DATA = 1, 1  # the first bytes of a message of the page and of Foxglove
@@ -32,8 +33,8 @@ class Program:
 
     def __init__(self, path, node, folder):
         self.path, self.node, self.folder = path, node, folder
-        self.domain = 101 + os.getpid() % 100
-        self.ros_domain = self.domain - 100
+        self.domain, self.reserved = reserve_domain(1)
+        self.ros_domain, self.reserved_for_ros = reserve_domain(1)
         self.environment = {**os.environ, "TROUPE_DOMAIN": str(self.domain), "NO_COLOR": "1"}
         self.environment.pop("TROUPE_SESSION", None)
 

@@ -2,8 +2,9 @@
 """Goes over all pairs of the rows of rows.py: each pair works, by the same checks for all, is refused by one line that names
 it, or does not exist, for a reason. Writes the page of the pairs, and fails if docs/matrix.md is another one.
 
-usage: matrix.py TROUPE NODE [--all] [--write FILE] [--page FILE]
-NODE: matrix_ros_node; --write: writes the page, without --all with the pairs that the page has; --page: compares with this one
+usage: matrix.py TROUPE NODE [--all] [--only SECTION] [--write FILE] [--page FILE]
+NODE: matrix_ros_node; --only: after one_process, of inputs, modes, things_with_things, live_runs and modes_with_modes; --write: writes the
+page, without --all or with --only with the pairs that the page has; --page: compares with this one
 
 Without --all many things are in one run, and of the pairs that need a run of their own there is a sample, which has each row. The
 page is of all.
@@ -507,6 +508,7 @@ def main():
     parser.add_argument("troupe", type=pathlib.Path)
     parser.add_argument("node", type=pathlib.Path)
     parser.add_argument("--all", action="store_true")
+    parser.add_argument("--only")
     parser.add_argument("--write", type=pathlib.Path)
     parser.add_argument("--page", type=pathlib.Path)
     parser.add_argument("--folder", type=pathlib.Path)
@@ -517,14 +519,16 @@ def main():
         matrix = Matrix(Program(arguments.troupe.resolve(), arguments.node.resolve(), folder), folder, arguments.all)
         worlds.write(folder, "all", THINGS)
         sections = [matrix.one_process, matrix.inputs, matrix.modes, matrix.things_with_things, matrix.live_runs]
-        for section in [*sections, *([matrix.modes_with_modes] if arguments.all else [])]:
+        sections += [matrix.modes_with_modes] if arguments.all else []
+        for section in sections if not arguments.only else [matrix.one_process, getattr(matrix, arguments.only)]:
             began, used = time.monotonic(), os.times()
             section()
             now = os.times()
             used = now.children_user + now.children_system - used.children_user - used.children_system
             print(f"{section.__name__}: {time.monotonic() - began:.1f} s, {used:.1f} s of the processor", flush=True)
         if arguments.write:
-            kept = pages.tried(arguments.write.read_text()) if not arguments.all and arguments.write.exists() else {}
+            is_part = arguments.only or not arguments.all
+            kept = pages.tried(arguments.write.read_text()) if is_part and arguments.write.exists() else {}
             kept = {pair: cell for pair, cell in kept.items() if pages.outcome_of(matrix.cells, *pair) is None}
             arguments.write.write_text(pages.page({**matrix.cells, **kept}))
         for failure in matrix.failures:
