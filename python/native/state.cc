@@ -41,8 +41,8 @@ py::list ToList(const WorldDescription& world, const std::vector<Event>& events)
   return list;
 }
 
-// Rows of a state as an array (rows, columns), from the first number of each. A copy: torch and others write into arrays
-// that are not writable, and states share their memory with snapshots and copies of the simulation.
+// Rows of a state as an array (rows, columns), from the first number of each. A copy: torch and others write into
+// arrays that are not writable, and states share their memory with snapshots and copies of the simulation.
 template <typename Row, typename Value>
 py::array Columns(const std::vector<Row>& rows, const Value Row::*first, py::ssize_t columns) {
   using Number = std::conditional_t<std::is_class_v<Value>, double, Value>;
@@ -229,9 +229,8 @@ void DefineArrays(StateClass& state) {
   state
       .def_property_readonly("poses", StateView<&RobotState::X_WR, 4, &WorldState::robots>,
                              "float64 (robots, 4): x, y, z (m) and heading (rad) of each robot in W.")
-      .def_property_readonly(
-          "twists", StateView<&RobotState::twist, 3, &WorldState::robots>,
-          "float64 (robots, 3): vx, vy (m/s) and wz (rad/s) in R, executed in the last tick.")
+      .def_property_readonly("twists", StateView<&RobotState::twist, 3, &WorldState::robots>,
+                             "float64 (robots, 3): vx, vy (m/s) and wz (rad/s) in R, executed in the last tick.")
       .def_property_readonly("stalls", StateView<&RobotState::stalled, 0, &WorldState::robots>,
                              "bool (robots,): a contact ended the robot's last motion.")
       .def_property_readonly("joint_positions", StateView<&JointState::position, 0, &WorldState::joints>,

@@ -6,11 +6,11 @@
 // its own simulation would wait for itself.
 //
 // Ctrl-C: signal handlers of Python run in its main thread only when that asks; steps ask every 20 ms. With controllers
-// in Python the work is on another thread, so that the exception of a signal cannot arise inside a controller; in one that
-// does not return within a second it is raised all the same.
+// in Python the work is on another thread, so that the exception of a signal cannot arise inside a controller; in one
+// that does not return within a second it is raised all the same.
 //
-// The end of Python: a thread that wants the interpreter's lock back then is ended in the middle of C++, which aborts the
-// process. So long work ends early, and the end waits for it (AwaitCalls).
+// The end of Python: a thread that wants the interpreter's lock back then is ended in the middle of C++, which aborts
+// the process. So long work ends early, and the end waits for it (AwaitCalls).
 //
 // Errors of the library become InputError or RunError with file, line and column; wrong arguments become Python's own.
 #pragma once
@@ -70,8 +70,8 @@ class Interrupt {
 };
 
 // Calls work(interrupt) without the interpreter's lock, and throws KeyboardInterrupt when `work` has ended because of
-// Ctrl-C. With `calls_python` it works on another thread: a signal's exception must not arise in a controller, which the
-// main thread would run.
+// Ctrl-C. With `calls_python` it works on another thread: a signal's exception must not arise in a controller, which
+// the main thread would run.
 void RunInterruptibly(bool calls_python, const std::function<void(Interrupt& interrupt)>& work);
 
 // To be called once when Python begins to end: ends calls of RunInterruptibly on all threads, and waits for them.

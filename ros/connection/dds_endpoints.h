@@ -29,7 +29,8 @@
 
 namespace troupe::ros {
 
-// Which implementation of DDS a participant has. RTPS 2.2, section 9.3.1.1: a GUID begins with the number of the vendor.
+// Which implementation of DDS a participant has. RTPS 2.2, section 9.3.1.1: a GUID begins with the number of the
+// vendor.
 inline bool IsOfVendor(const dds_guid_t& participant, std::uint8_t number) {
   return participant.v[0] == 0x01 && participant.v[1] == number;
 }

@@ -170,8 +170,8 @@ class RosConnection {
   // Sends the samples written so far, at the latest.
   virtual void Flush() {}
 
-  // From now on this thread writes samples again, that readers have already, and writers are wanted only if a reader has
-  // come since that time. Without a time: no longer.
+  // From now on this thread writes samples again, that readers have already, and writers are wanted only if a reader
+  // has come since that time. Without a time: no longer.
   void AddressReadersSince(std::optional<std::chrono::steady_clock::time_point> time) {
     readers_since_ = time;
     writes_again_.store(time ? std::this_thread::get_id() : std::thread::id(), std::memory_order_relaxed);

@@ -238,7 +238,8 @@ std::unique_ptr<TopicReader> RosParticipant::MakeReader(std::size_t node, const 
 std::unique_ptr<ServiceServer> RosParticipant::MakeService(std::size_t node, const ServiceSpec& spec,
                                                            ServiceServer::Handler handler) {
   auto service = std::make_unique<DdsService>(
-      *this, spec, [handle = std::move(handler)](const void* request, dds_instance_handle_t) { handle(request, false); });
+      *this, spec,
+      [handle = std::move(handler)](const void* request, dds_instance_handle_t) { handle(request, false); });
   AddReader(node, service->request_reader());
   AddWriter(node, service->response_writer());
   return service;

@@ -65,8 +65,8 @@ class HostConnection final : public RosConnection {
   // watched() may have changed. It replaces the one before; with {} it returns after that one's last call.
   void WatchTopics(std::function<void()> changed);
   // The calls below are for a process whose ticks wait for ROS; WatchTopics comes before them.
-  // Notes messages of any type on the topic ("rt/anna/cmd_vel"), or answers of the node ("driver"), from the next Arm on.
-  // Returns its id, for Unwatch.
+  // Notes messages of any type on the topic ("rt/anna/cmd_vel"), or answers of the node ("driver"), from the next Arm
+  // on. Returns its id, for Unwatch.
   std::uint32_t Watch(const std::string& watched);
   void Unwatch(std::uint32_t watch);
   // From now on messages count for `text`, unless they do already.
@@ -74,8 +74,8 @@ class HostConnection final : public RosConnection {
   // Has all that other processes of this host have passed to the program by now written to ROS.
   void Collect();
   // Writes a std_msgs/Header by a latched writer of this connection, with the topics behind its text that have had
-  // messages since Arm; not before the `awaited` watches, if they have never been heard of, can receive these. The reader
-  // loses what has arrived before that: it is no answer.
+  // messages since Arm; not before the `awaited` watches, if they have never been heard of, can receive these. The
+  // reader loses what has arrived before that: it is no answer.
   void Tell(const TopicWriter& writer, const void* header, const TopicReader& answers,
             const std::set<std::uint32_t>& awaited);
   // The state of these. Lost with the program; then Arm, Collect, Tell and Watch are repeated by the connection.

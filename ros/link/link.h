@@ -31,11 +31,11 @@ namespace troupe::ros {
 
 enum class LinkKind : std::uint8_t {
   // To the participant.
-  kHello,     // a HelloText; the first message
-  kMake,      // a MadeText
-  kRemove,    // what was made has ended
-  kAnnounce,  // lists the agent's nodes and endpoints as they are now: each time the list of the whole host is sent
-  kWrite,     // a sample of a writer, or a response of a service, as CDR
+  kHello,       // a HelloText; the first message
+  kMake,        // a MadeText
+  kRemove,      // what was made has ended
+  kAnnounce,    // lists the agent's nodes and endpoints as they are now: each time the list of the whole host is sent
+  kWrite,       // a sample of a writer, or a response of a service, as CDR
   kWriteAgain,  // of a writer: a sample of the tick that the agent has shown already, for late readers
   kShown,       // the answer to kShowAgain: the tick has been written again
   // Of a process whose ticks wait for ROS (TopicWatch).

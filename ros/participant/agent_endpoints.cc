@@ -235,7 +235,8 @@ void AgentEndpoints::Tell(const LinkMessage& message) {
   if (!decoded.ok()) return Refuse(decoded.error().message);
   PrepareToWait();
   const Header& header = *static_cast<const Header*>(sample.data());
-  domain_->gate->Tell(*this, {message.id, header.stamp.sec, header.stamp.nanosec, dds::Text(header.frame_id)}, awaited_);
+  domain_->gate->Tell(*this, {message.id, header.stamp.sec, header.stamp.nanosec, dds::Text(header.frame_id)},
+                      awaited_);
 }
 
 void AgentEndpoints::Announce(const TickGate::Announcement& announcement, const std::string& topics) {

@@ -108,13 +108,13 @@ struct HostDomain {
   std::optional<CyclonePrograms> cyclone_programs = {};  // while services wait for one
   EndpointPools pools;
   std::set<AgentEndpoints*> agents;
-  TopicReaders readers;                          // of agents
-  std::optional<TopicWatch> watch;               // once ticks of the domain wait, as the two below
+  TopicReaders readers;             // of agents
+  std::optional<TopicWatch> watch;  // once ticks of the domain wait, as the two below
   std::optional<TickGate> gate;
   std::atomic<TickGate*> shared_gate = nullptr;  // the same, for threads of DDS
-  AgentEndpoints* waiting = nullptr;  // the agent whose ticks wait; null: it has ended
-  std::string frame_series;           // of the text: the run and the edition, all but the tick
-  bool has_new_readers = false;       // since the last check
+  AgentEndpoints* waiting = nullptr;             // the agent whose ticks wait; null: it has ended
+  std::string frame_series;                      // of the text: the run and the edition, all but the tick
+  bool has_new_readers = false;                  // since the last check
   Time announce_at = Time::max();                // the nodes have changed
   std::optional<Time> unused_until = {};         // it ends then; none: it has agents
 };
@@ -208,7 +208,7 @@ class AgentEndpoints {
   bool watches_distributions_ = false;
   bool shows_ticks_ = false;
   bool is_processing_ = false;
-  std::set<std::uint32_t> awaited_;  // watches, of the next Tell
+  std::set<std::uint32_t> awaited_;             // watches, of the next Tell
   std::map<std::uint32_t, std::size_t> nodes_;  // of the participant
   ById<ReusableWriter> writers_;
   std::set<std::uint32_t> logs_;  // the writers of log lines

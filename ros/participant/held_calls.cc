@@ -52,8 +52,7 @@ std::optional<HeldCalls::Time> HeldCalls::Update(const void* owner, const std::s
     arrived.swap(arrived_);
   }
   if (arrived.empty() && waiting_.empty()) return std::nullopt;
-  const std::set<std::string> missing =
-      owner != nullptr ? watch_.FindMissing(owner, awaited) : std::set<std::string>();
+  const std::set<std::string> missing = owner != nullptr ? watch_.FindMissing(owner, awaited) : std::set<std::string>();
   for (Call& call : arrived) {
     bool may_be_node = false;
     const std::set<std::string> watched = watch_.WatchedOf(call.caller, may_be_node);

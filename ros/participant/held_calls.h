@@ -1,7 +1,7 @@
-// HeldCalls: calls of services by programs that a tick waits for. Two of them may call in one tick, and the order in which
-// their calls arrive is that of the machine. So a call of a program that has not answered the tick waits until each
-// participant has answered or has called, too; then all are passed on in the order of the callers' names. Calls of other
-// programs, and of those that have answered, are passed on at once.
+// HeldCalls: calls of services by programs that a tick waits for. Two of them may call in one tick, and the order in
+// which their calls arrive is that of the machine. So a call of a program that has not answered the tick waits until
+// each participant has answered or has called, too; then all are passed on in the order of the callers' names. Calls of
+// other programs, and of those that have answered, are passed on at once.
 //
 // A participant that waits for something else of one that has called would wait for ever: after some seconds calls are
 // passed on in the order of their arrival.

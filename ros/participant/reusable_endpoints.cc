@@ -146,10 +146,9 @@ void ReusableService::ListServed(const ServedContent& served) {
 void ReusableService::ServeCyclone() {
   if (cyclone_) return;
   Unlist();
-  cyclone_.emplace(participant_, spec_,
-                   [this](const void* request, dds_instance_handle_t caller) {
-                     Pass(wire::SampleToCdr(request, request_), caller);
-                   });
+  cyclone_.emplace(participant_, spec_, [this](const void* request, dds_instance_handle_t caller) {
+    Pass(wire::SampleToCdr(request, request_), caller);
+  });
   List();
   cyclone_->Start();
 }

@@ -126,8 +126,8 @@ class ReusableReader {
   // Passes the samples on that arrive from now on, or since the constructor; and those that are kept.
   void Attach(std::size_t node, Sink sink);
   void Detach();
-  // Samples are kept from now on for the next agent, which has to apply those that the one before has lost: of this round
-  // of a wait and of the one before. `is_new_run`: what is kept is not for the next rounds.
+  // Samples are kept from now on for the next agent, which has to apply those that the one before has lost: of this
+  // round of a wait and of the one before. `is_new_run`: what is kept is not for the next rounds.
   void BeginRound(bool is_new_run);
 
   const std::string& topic() const { return topic_; }

@@ -25,8 +25,8 @@ constexpr auto kMaxProbe = seconds(5);
 constexpr auto kMaxSettle = seconds(10);  // where tools come and go all the time
 // Of nodes that share a writer of answers: fewer writers than names are there.
 constexpr auto kQuietWithFewWriters = seconds(5);
-constexpr auto kMaxShow = seconds(10);    // of an agent that does not answer
-constexpr auto kShowAgain = seconds(2);   // the first time, for a node that has answered no probe
+constexpr auto kMaxShow = seconds(10);                   // of an agent that does not answer
+constexpr auto kShowAgain = seconds(2);                  // the first time, for a node that has answered no probe
 constexpr std::size_t kMaxHeld = std::size_t{64} << 20;  // bytes
 
 // "/scan" for "rt/scan"; empty for what nodes wait for in no case.
@@ -129,8 +129,8 @@ void TickGate::Update() {
   const Time now = Clock::now();
   UpdateTick(now);
   const bool waits = told_ && told_->is_written;
-  const std::optional<Time> calls_due = calls_.Update(waits ? told_->agent : nullptr,
-                                                      waits ? told_->awaited : std::set<std::uint32_t>(), now);
+  const std::optional<Time> calls_due =
+      calls_.Update(waits ? told_->agent : nullptr, waits ? told_->awaited : std::set<std::uint32_t>(), now);
   if (calls_due) UpdateBy(*calls_due);
 }
 
@@ -208,8 +208,8 @@ void TickGate::ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard
     if (now >= quiet_at) return Ask(now);
     return UpdateBy(quiet_at);
   }
-  const bool is_starting = std::any_of(unheard.begin(), unheard.end(),
-                                       [](const TopicWatch::Unheard& watch) { return watch.is_present; });
+  const bool is_starting =
+      std::any_of(unheard.begin(), unheard.end(), [](const TopicWatch::Unheard& watch) { return watch.is_present; });
   if (is_probed_ || !is_starting) return;
   if (show_again_at_ == Time::max()) {
     show_again_after_ = kShowAgain;
@@ -240,8 +240,7 @@ void TickGate::Open() {
 
 std::string TickGate::ListOfTopics() const {
   std::string list = told_->announcement.edition;
-  const std::int64_t time =
-      std::int64_t{told_->announcement.seconds} * 1'000'000'000 + told_->announcement.nanoseconds;
+  const std::int64_t time = std::int64_t{told_->announcement.seconds} * 1'000'000'000 + told_->announcement.nanoseconds;
   std::string stamps;
   for (const auto& [on_dds, count] : round_.counts) {
     const std::string topic = TopicToTell(on_dds);

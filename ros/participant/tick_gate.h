@@ -122,13 +122,13 @@ class TickGate {
   bool is_closed_ = false;
   std::vector<Held> held_;
   std::size_t held_bytes_ = 0;
-  std::optional<Told> told_;          // of the tick that is shown
-  std::set<AgentEndpoints*> asked_;   // that have not shown the tick again yet
-  Time asked_at_ = {};                // the last time, or the begin of the tick
-  Time present_at_ = Time::max();     // since then the awaited programs are there
+  std::optional<Told> told_;         // of the tick that is shown
+  std::set<AgentEndpoints*> asked_;  // that have not shown the tick again yet
+  Time asked_at_ = {};               // the last time, or the begin of the tick
+  Time present_at_ = Time::max();    // since then the awaited programs are there
   std::map<std::pair<dds_instance_handle_t, std::string>, NodeProbe> probes_;  // by program and service
-  bool is_probed_ = false;            // all awaited programs have answered
-  Time show_again_at_ = Time::max();  // although no reader has come
+  bool is_probed_ = false;                                                     // all awaited programs have answered
+  Time show_again_at_ = Time::max();                                           // although no reader has come
   Clock::duration show_again_after_ = {};
   std::atomic<Clock::rep> reader_at_ = 0;  // when the newest has come
   std::optional<Time> due_;

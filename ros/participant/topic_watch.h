@@ -171,8 +171,8 @@ class TopicWatch {
   std::mutex mutex_;  // guards the four below
   Round round_;
   Round previous_;
-  std::multimap<std::string, Watch> watches_;             // by topic or node
-  std::map<std::string, dds_instance_handle_t> heard_;    // of a node: its writer
+  std::multimap<std::string, Watch> watches_;           // by topic or node
+  std::map<std::string, dds_instance_handle_t> heard_;  // of a node: its writer
   dds::DataReaderListener listener_;
   dds::Entity publications_;   // a reader of discovered writers
   dds::Entity subscriptions_;  // of discovered readers

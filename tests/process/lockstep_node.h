@@ -43,7 +43,7 @@ struct NodeOptions {
   std::string space = "/r0";  // of the robot's topics
   int least_delay = 0;        // ms before an answer, drawn
   int most_delay = 0;
-  unsigned seed = 1;          // of the delays
+  unsigned seed = 1;           // of the delays
   bool has_parameters = true;  // their services, as of each node of rclcpp and rclpy
   std::uint32_t domain = TestRosNetwork().domain;
 };
@@ -217,8 +217,7 @@ class LockstepNode {
     }
   }
   // Each scan is one call of a callback, whatever its stamp.
-  void Count(ros::RosReader<ros::LaserScan>& scans, ros::RosWriter<ros::TwistMessage>& commands,
-             std::mt19937& random) {
+  void Count(ros::RosReader<ros::LaserScan>& scans, ros::RosWriter<ros::TwistMessage>& commands, std::mt19937& random) {
     while (!stop_) {
       {
         std::unique_lock lock(mutex_);

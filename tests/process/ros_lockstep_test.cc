@@ -110,7 +110,8 @@ TEST_F(RosLockstepTest, TheFirstTickIsHeldBackUntilAllNodesCanReceiveIt) {
 }
 
 TEST_F(RosLockstepTest, AnAgentThatIsStartedAgainShowsNoTickTwice) {
-  const std::vector<std::string> waits = Words("--ros-lockstep /r0/cmd_vel --ticks 20 --lease 1 --on-agent-loss rebuild");
+  const std::vector<std::string> waits =
+      Words("--ros-lockstep /r0/cmd_vel --ticks 20 --lease 1 --on-agent-loss rebuild");
   const std::string reference = HashesOf({.way = Way::kCounter}, waits);
   for (const std::string victim : {"robot-agent", "world-service"}) {
     LockstepNode node({.way = Way::kCounter, .least_delay = 100, .most_delay = 200});
@@ -234,8 +235,8 @@ TEST_F(RosLockstepTest, CallsOfTwoNodesInATickAreExecutedInTheOrderOfTheirNamesW
     for (const std::string& name : order) {
       nodes[name] = std::make_unique<LockstepNode>(NodeOptions{.name = name, .space = name == "alpha" ? "/r0" : "/r1"});
       nodes[name]->HaltAt(10);
-      clients[name] = std::make_unique<SpawnClient>(nodes[name]->participant(), "/world/spawn_entity",
-                                                    name == "alpha" ? 1 : 2);
+      clients[name] =
+          std::make_unique<SpawnClient>(nodes[name]->participant(), "/world/spawn_entity", name == "alpha" ? 1 : 2);
     }
     const std::string prefix = order.front() + "-";
     Program run = RunPen(Arguments(prefix, Words("--ros-lockstep alpha,beta --ros-lockstep-limit 0 --ticks 20")));
@@ -252,8 +253,8 @@ TEST_F(RosLockstepTest, CallsOfTwoNodesInATickAreExecutedInTheOrderOfTheirNamesW
     for (const auto& called : clients) {
       SpawnClient& client = *called.second;
       std::uint8_t result = 0;
-      EXPECT_TRUE(Eventually(
-          [&] { return client.Receive([&](const auto& response) { result = response.result.result; }); }));
+      EXPECT_TRUE(
+          Eventually([&] { return client.Receive([&](const auto& response) { result = response.result.result; }); }));
       EXPECT_EQ(result, kOk) << called.first;
     }
     for (const auto& [name, node] : nodes) node->Continue();

@@ -158,8 +158,9 @@ TEST_F(RosLockstepTrials, RunsRepeatWhileAllProcessesAreStarved) {
     const std::string speed = std::vector<std::string>{"max", "10", "3"}[random() % 3];
     const std::string prefix = "starved" + std::to_string(trial) + "-";
     {
-      Program run = RunPen(Arguments(prefix, Words("--ros-lockstep % --ros-lockstep-limit 0 --ticks 25 --lease 5 --speed %",
-                                                   {names, is_reference ? "max" : speed})));
+      Program run =
+          RunPen(Arguments(prefix, Words("--ros-lockstep % --ros-lockstep-limit 0 --ticks 25 --lease 5 --speed %",
+                                         {names, is_reference ? "max" : speed})));
       std::optional<Starver> starver;
       if (!is_reference) {
         starver.emplace(seed, [&run, &nodes] {

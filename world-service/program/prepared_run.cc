@@ -160,9 +160,10 @@ Status CheckLockstep(const RunSource& source, const RunSettings& settings, const
     return Error{{}, "--ros-lockstep: found a run without ROS, expected --ros"};
   }
   if (settings.mode == Mode::kRealtime) {
-    return Error{{},
-                 "found ticks that wait for ROS (--ros-lockstep) in mode realtime (--mode), which waits for none; expected "
-                 "mode lockstep"};
+    return Error{
+        {},
+        "found ticks that wait for ROS (--ros-lockstep) in mode realtime (--mode), which waits for none; expected "
+        "mode lockstep"};
   }
   if (source.ros.world.clock_rate > 0.0) {
     return Error{{},

@@ -367,7 +367,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   std::deque<AskedRequest> file_requests_;
   std::deque<AskedRequest> asked_meanwhile_;
   bool is_started_ = false;  // all observers have begun
-  bool is_woken_ = false;  // from inside a call of the coordinator: Run makes another one
+  bool is_woken_ = false;    // from inside a call of the coordinator: Run makes another one
   std::atomic<std::thread::id> acting_ = std::thread::id();  // the thread that is inside the coordinator
   TickCoordinator coordinator_;
   std::unique_ptr<ServiceEndpoint> endpoint_;  // last: it ends before the members that its deliveries use

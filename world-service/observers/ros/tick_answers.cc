@@ -90,7 +90,8 @@ Result<std::vector<std::string>> TickAnswers::Awaited(double now) {
     names.push_back(name.second);
     has_new = has_new || participant.answer == Answer::kNeverHeard;
   }
-  if (has_new && delivery_ != Delivery::kUnknown && now - published_at_ > kFirstAnswers && !std::exchange(has_reported_, true)) {
+  if (has_new && delivery_ != Delivery::kUnknown && now - published_at_ > kFirstAnswers &&
+      !std::exchange(has_reported_, true)) {
     const bool may_be_timer = options_.limit <= 0.0 && time_stands_ &&
                               std::any_of(participants_.begin(), participants_.end(), [this](const auto& entry) {
                                 return IsAwaited(entry.second) && entry.second.reads_clock_since;

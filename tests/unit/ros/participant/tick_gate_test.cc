@@ -36,7 +36,8 @@ class WaitingRun {
       : connection_(host.Connect(HostConnection::Sending::kAtOnce)),
         node_(MakeNode(*connection_, "/", "world")),
         ticks_(connection_->MakeWriter(node_.index, {"rt/world/tick", Type(), Latched()})),
-        answers_(connection_->MakeReader(node_.index, {"rt/world/tick_done", Type(), Stream(10)}, Part::kOnlyReader, {})) {
+        answers_(
+            connection_->MakeReader(node_.index, {"rt/world/tick_done", Type(), Stream(10)}, Part::kOnlyReader, {})) {
     connection_->WatchTopics([] {});
     watch_ = connection_->Watch(watched);
     connection_->Announce();
@@ -51,7 +52,8 @@ class WaitingRun {
     Header header{};
     header.frame_id = arena.Copy("edition:4");
     connection_->Collect();
-    connection_->Tell(*ticks_, &header, *answers_, awaits ? std::set<std::uint32_t>{watch_} : std::set<std::uint32_t>());
+    connection_->Tell(*ticks_, &header, *answers_,
+                      awaits ? std::set<std::uint32_t>{watch_} : std::set<std::uint32_t>());
   }
   bool is_told() { return connection_->watched().is_told; }
   bool IsTold() {

@@ -153,8 +153,9 @@ TEST_F(RunServiceTest, ARunThatIsWokenEarlyBeginsAfterAllObservers) {
   WakingObserver waking;
   Begun late;
   const auto empty = std::make_shared<const Scene>(test::PlaneWorld(0));
-  EXPECT_EQ(test::ValueOf(RunService(empty, options_, transport_->MakeServiceEndpoint(), {&waking, &late}, stop_)).ticks,
-            20u);
+  EXPECT_EQ(
+      test::ValueOf(RunService(empty, options_, transport_->MakeServiceEndpoint(), {&waking, &late}, stop_)).ticks,
+      20u);
   EXPECT_TRUE(late.has_begun);
   EXPECT_FALSE(late.saw_tick_before);
 }
