@@ -317,7 +317,9 @@ void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const MadeTe
     Send(LinkKind::kMatched, id, std::as_bytes(std::span(&content, 1)));
     // Behind kMatched, so that an agent that is asked to show its tick knows of the reader.
     TickGate* const gate = domain_->shared_gate;
-    if (is_new && gate != nullptr) gate->NoteReader();
+    if (!is_new || gate == nullptr) return;
+    gate->NoteReader();
+    wake_();
   });
   if (made.qos.kind == TopicQos::Kind::kLogLines) {
     logs_.insert(id);

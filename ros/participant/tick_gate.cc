@@ -170,6 +170,17 @@ bool TickGate::ArePresent(const std::vector<TopicWatch::Unheard>& unheard, Time 
   return now >= quiet_at;
 }
 
+NodeProbe* TickGate::FindProbe(dds_instance_handle_t program, const std::string& service) {
+  const auto [found, is_new] = probes_.try_emplace({program, service});
+  if (is_new) {
+    try {
+      found->second = std::make_unique<NodeProbe>(participant_, service);
+    } catch (const dds::Exception&) {
+    }
+  }
+  return found->second.get();
+}
+
 bool TickGate::HasProbed(const std::vector<TopicWatch::Unheard>& unheard, Time now) {
   bool has_answers = true;
   is_probed_ = true;
@@ -179,8 +190,10 @@ bool TickGate::HasProbed(const std::vector<TopicWatch::Unheard>& unheard, Time n
       const std::vector<std::string> services = watch_.ParameterServicesOf(program);
       is_probed_ = is_probed_ && !services.empty();
       for (const std::string& service : services) {
-        NodeProbe& probe = probes_.try_emplace({program, service}, participant_, service).first->second;
-        has_answers = probe.Poll(now) && has_answers;
+        NodeProbe* const probe = FindProbe(program, service);
+        is_probed_ = is_probed_ && probe != nullptr;
+        const bool is_answered = probe == nullptr || probe->Poll(now);
+        has_answers = has_answers && is_answered;
       }
     }
   }

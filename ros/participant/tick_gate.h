@@ -25,6 +25,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -72,7 +73,7 @@ class TickGate {
   void NoteReader();
   // A service of an agent is called. Update follows. From any thread.
   void Call(HeldCalls::Call call) { calls_.Add(std::move(call)); }
-  // Continues, if what it waited for has come. Throws dds::Exception.
+  // Continues, if what it waited for has come.
   void Update();
   // When it is to be called in any case.
   std::optional<Time> due() const { return due_; }
@@ -107,6 +108,8 @@ class TickGate {
   bool ArePresent(const std::vector<TopicWatch::Unheard>& unheard, Time now);
   bool IsSettled(const std::vector<TopicWatch::Unheard>& unheard, Time now);
   bool HasProbed(const std::vector<TopicWatch::Unheard>& unheard, Time now);
+  // Null if it cannot be made, as without the right to call the node (SROS 2).
+  NodeProbe* FindProbe(dds_instance_handle_t program, const std::string& service);
   Time ChangedAt() const;
   void ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard, Time now);
   void Ask(Time now);
@@ -126,9 +129,10 @@ class TickGate {
   std::set<AgentEndpoints*> asked_;  // that have not shown the tick again yet
   Time asked_at_ = {};               // the last time, or the begin of the tick
   Time present_at_ = Time::max();    // since then the awaited programs are there
-  std::map<std::pair<dds_instance_handle_t, std::string>, NodeProbe> probes_;  // by program and service
-  bool is_probed_ = false;                                                     // all awaited programs have answered
-  Time show_again_at_ = Time::max();                                           // although no reader has come
+  // By program and service; null: DDS refuses one.
+  std::map<std::pair<dds_instance_handle_t, std::string>, std::unique_ptr<NodeProbe>> probes_;
+  bool is_probed_ = false;            // all awaited programs have answered
+  Time show_again_at_ = Time::max();  // although no reader has come
   Clock::duration show_again_after_ = {};
   std::atomic<Clock::rep> reader_at_ = 0;  // when the newest has come
   std::optional<Time> due_;
