@@ -1,6 +1,7 @@
 #include "python/native/convert.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -441,13 +442,14 @@ void CheckFinite(const py::array_t<double>& numbers, const char* what) {
   const auto end = numbers.data() + numbers.size();
   const auto bad = std::find_if_not(numbers.data(), end, [](double number) { return std::isfinite(number); });
   if (bad == end) return;
-  std::string place;
+  std::vector<py::ssize_t> place(static_cast<std::size_t>(numbers.ndim()));
   py::ssize_t index = bad - numbers.data();
-  for (py::ssize_t axis = numbers.ndim() - 1; axis >= 0; --axis) {
-    place = std::to_string(index % numbers.shape(axis)) + (place.empty() ? "" : ", ") + place;
-    index /= numbers.shape(axis);
+  for (std::size_t axis = place.size(); axis-- > 0;) {
+    const py::ssize_t length = numbers.shape(static_cast<py::ssize_t>(axis));
+    place[axis] = index % length;
+    index /= length;
   }
-  throw py::value_error(fmt::format("{}[{}]: found {}, expected a finite number", what, place, *bad));
+  throw py::value_error(fmt::format("{}[{}]: found {}, expected a finite number", what, fmt::join(place, ", "), *bad));
 }
 
 std::size_t ToIndex(py::handle value, const char* what) {
