@@ -359,12 +359,11 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const MadeT
         std::make_unique<ReusableService>(domain_->participant, ServiceSpec{made.name, request, response, made.qos},
                                           domain_->number, domain_->fast_dds, domain_->on_cyclone);
   }
-  service->Attach(node, [this, id, name = made.name](std::span<const std::byte> bytes, bool is_repeated,
-                                                     dds_instance_handle_t caller) {
+  service->Attach(node, [this, id](std::span<const std::byte> bytes, bool is_repeated, dds_instance_handle_t caller) {
     if (is_repeated) return Send(LinkKind::kRepeated, id, bytes);
     TickGate* const gate = domain_->shared_gate;
     if (gate == nullptr || caller == DDS_HANDLE_NIL) return SendRequest(id, bytes);
-    gate->Call({this, id, name, caller, {bytes.begin(), bytes.end()}});
+    gate->Call({this, id, caller, {bytes.begin(), bytes.end()}});
     wake_();
   });
   services_[id] = {std::move(text), std::move(service)};

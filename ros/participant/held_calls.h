@@ -34,7 +34,6 @@ class HeldCalls {
   struct Call {
     AgentEndpoints* agent;  // that has the service
     std::uint32_t service;
-    std::string name;  // of the service
     dds_instance_handle_t caller;
     std::vector<std::byte> request;
   };

@@ -3,7 +3,7 @@
 //
 // A volatile writer of DDS reaches only readers that have discovered it, and a message that is written again for a late
 // one reaches all others twice. So as long as an awaited topic or node has never been heard of, the gate is closed at
-// the begin of the tick:
+// the start of the tick:
 //
 //   open    --Arm: something that is watched is unheard-->            closed: messages of streams are held
 //   closed  --Tell, and all that is awaited is there and settled-->   asking: the agents show the tick to all readers
@@ -127,7 +127,7 @@ class TickGate {
   std::size_t held_bytes_ = 0;
   std::optional<Told> told_;         // of the tick that is shown
   std::set<AgentEndpoints*> asked_;  // that have not shown the tick again yet
-  Time asked_at_ = {};               // the last time, or the begin of the tick
+  Time asked_at_ = {};               // the last time, or the start of the tick
   Time present_at_ = Time::max();    // since then the awaited programs are there
   // By program and service; null: DDS refuses one.
   std::map<std::pair<dds_instance_handle_t, std::string>, std::unique_ptr<NodeProbe>> probes_;

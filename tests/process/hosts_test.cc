@@ -40,19 +40,10 @@ class Hosts : public testing::Test {
                         {Scenario(hosts), std::to_string(TestDomain())}) +
                   arguments);
   }
-  // All processes below this one.
-  static std::vector<pid_t> Descendants(pid_t process) {
-    std::vector<pid_t> all;
-    for (pid_t child : ChildrenOf(process)) {
-      all.push_back(child);
-      for (pid_t descendant : Descendants(child)) all.push_back(descendant);
-    }
-    return all;
-  }
 
   // Kills the `troupe host` that has started the process with this word in its command line.
   static void KillHostOf(const Program& run, const std::string& part) {
-    for (const pid_t process : Descendants(run.pid())) {
+    for (const pid_t process : DescendantsOf(run.pid())) {
       if (CommandLineOf(process).find(part) == std::string::npos) continue;
       std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
       pid_t host = 0;
@@ -117,7 +108,7 @@ TEST_F(Hosts, StopInOrderOnASignal) {
   service["service"] = true;
   Program run = Run({service, HostHere("a")}, {"--speed", "5"});
   run.WaitForLine("4 robots in 4 agent processes on 2 hosts, ready");
-  std::vector<pid_t> processes = Descendants(run.pid());
+  std::vector<pid_t> processes = DescendantsOf(run.pid());
   EXPECT_GE(processes.size(), 7u);  // 2 hosts, 5 programs
   run.Interrupt();
   EXPECT_THAT(run.output(), HasSubstr("stopped before its end"));
@@ -129,7 +120,7 @@ TEST_F(Hosts, TerminateAllProcessesWhenTheLauncherIsKilled) {
   service["service"] = true;
   Program run = Run({service, HostHere("a")}, {"--speed", "5"});
   run.WaitForLine("4 robots in 4 agent processes on 2 hosts, ready");
-  std::vector<pid_t> processes = Descendants(run.pid());
+  std::vector<pid_t> processes = DescendantsOf(run.pid());
   run.Signal(SIGKILL);
   run.Wait();
   for (pid_t process : processes) EXPECT_TRUE(IsGoneSoon(process)) << CommandLineOf(process);
@@ -220,7 +211,7 @@ TEST_F(Hosts, DeleteTheFoldersOfThoseThatWereKilled) {
   far["start"] = "TMPDIR=" + temporary + " {command}";
   Program run = Run(json::array({far}), {"--speed", "5"});
   run.WaitForLine("ready after");
-  for (const pid_t process : Descendants(run.pid())) {
+  for (const pid_t process : DescendantsOf(run.pid())) {
     if (CommandLineOf(process).ends_with("/troupe host ")) kill(process, SIGKILL);
   }
   run.WaitForLine("host far: the connection is lost");
@@ -235,7 +226,7 @@ TEST_F(Hosts, StartAKilledAgentAgain) {
   far["robots"] = {"r2"};
   Program run = Run({HostHere("near"), far}, {"--speed", "5", "--ticks", "100", "--lease", "0.5"});
   run.WaitForLine("ready after");
-  for (pid_t process : Descendants(run.pid())) {
+  for (pid_t process : DescendantsOf(run.pid())) {
     if (CommandLineOf(process).find("--robot=r2") != std::string::npos) kill(process, SIGKILL);
   }
   EXPECT_EQ(run.Wait(), 5) << run.output();

@@ -71,6 +71,15 @@ std::vector<pid_t> ChildrenOf(pid_t process) {
   return children;
 }
 
+std::vector<pid_t> DescendantsOf(pid_t process) {
+  std::vector<pid_t> all;
+  for (const pid_t child : ChildrenOf(process)) {
+    all.push_back(child);
+    for (const pid_t descendant : DescendantsOf(child)) all.push_back(descendant);
+  }
+  return all;
+}
+
 std::string CommandLineOf(pid_t process) {
   std::string line = TextOf("/proc/" + std::to_string(process) + "/cmdline");
   for (char& c : line) c = c == '\0' ? ' ' : c;

@@ -39,6 +39,8 @@ std::string WorldPath(const std::string& name);
 
 // The running children of the process.
 std::vector<pid_t> ChildrenOf(pid_t process);
+// With their children, and so on.
+std::vector<pid_t> DescendantsOf(pid_t process);
 // The arguments that a process was started with, joined by spaces.
 std::string CommandLineOf(pid_t process);
 // True if the process ends within a time that is long for the slowest computer.

@@ -120,15 +120,6 @@ class Starver {
   std::thread thread_;
 };
 
-std::vector<pid_t> WithDescendants(pid_t process) {
-  std::vector<pid_t> all = {process};
-  for (const pid_t child : ChildrenOf(process)) {
-    const std::vector<pid_t> below = WithDescendants(child);
-    all.insert(all.end(), below.begin(), below.end());
-  }
-  return all;
-}
-
 // LOCKSTEP_TRIALS: another number of trials; LOCKSTEP_SEED: of the first one.
 TEST_F(RosLockstepTrials, RunsRepeatWhileAllProcessesAreStarved) {
   const std::vector<std::vector<NodeOptions>> kinds = {
@@ -164,7 +155,8 @@ TEST_F(RosLockstepTrials, RunsRepeatWhileAllProcessesAreStarved) {
       std::optional<Starver> starver;
       if (!is_reference) {
         starver.emplace(seed, [&run, &nodes] {
-          std::vector<pid_t> all = WithDescendants(run.pid());
+          std::vector<pid_t> all = DescendantsOf(run.pid());
+          all.push_back(run.pid());
           for (const Program& node : nodes) all.push_back(node.pid());
           return all;
         });

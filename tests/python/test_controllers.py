@@ -9,7 +9,7 @@ import textwrap
 import unittest
 
 import troupe
-from support import PROGRAMS, ROOT, logged, run
+from support import PROGRAMS, ROOT, interrupted, logged, run
 
 SEEK = """
 import math
@@ -284,17 +284,10 @@ class Controllers(unittest.TestCase):
 
     def test_ctrl_c_stops_the_run_and_no_robot(self):
         self.write("seek.py", SEEK)
-        # Shells start background jobs with the signal ignored.
-        code = "import signal, troupe; signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
-               f"s = troupe.Simulation({self.scenario('./seek.py:Seek')!r})\n" \
+        code = f"s = troupe.Simulation({self.scenario('./seek.py:Seek')!r})\n" \
                "try:\n print('on', flush=True); s.step(10**9)\n" \
                "except KeyboardInterrupt:\n s.step(1); print('stopped', s.failures)"
-        child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
-        self.addCleanup(child.kill)
-        self.assertEqual(child.stdout.readline(), "on\n")
-        child.send_signal(2)
-        out, _ = child.communicate(timeout=60)
-        self.assertEqual(out, "stopped []\n")
+        self.assertEqual(interrupted(self, code)[0], "stopped []\n")
 
     def two_folders(self):
         for folder, speed in (("A", 0.1), ("B", 0.3)):
@@ -365,16 +358,10 @@ class Controllers(unittest.TestCase):
                         print("on", flush=True)
                         while True: pass
             """)
-        code = "import signal, troupe; signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
-               f"s = troupe.Simulation({self.scenario('./loop.py:Loop', robots=1)!r})\n" \
+        code = f"s = troupe.Simulation({self.scenario('./loop.py:Loop', robots=1)!r})\n" \
                "try:\n s.step(10)\n" \
                "except KeyboardInterrupt:\n print('stopped', s.failures)"
-        child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
-        self.addCleanup(child.kill)
-        self.assertEqual(child.stdout.readline(), "on\n")
-        child.send_signal(signal.SIGINT)
-        out, _ = child.communicate(timeout=60)
-        self.assertRegex(out, r"stopped \['.*loop.py:\d+: KeyboardInterrupt'\]")
+        self.assertRegex(interrupted(self, code)[0], r"stopped \['.*loop.py:\d+: KeyboardInterrupt'\]")
 
 
 if __name__ == "__main__":

@@ -23,9 +23,8 @@ constexpr std::size_t kMaxNameLength = 200;  // bytes, as of a name in a scenari
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 // Wall times, s.
-constexpr double kMaxArming = 1.0;      // of a program that does not answer
-constexpr double kMaxPreparing = 10.0;  // of one that is being started
-constexpr std::chrono::milliseconds kPreparingPoll(2);
+constexpr double kMaxArming = 1.0;                 // of a program that does not answer
+constexpr std::chrono::seconds kMaxPreparing(10);  // of one that is being started
 
 double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -54,12 +53,7 @@ struct RosLockstepWait::Channel {
   const std::unique_ptr<ros::TopicWriter> ticks;
   const std::unique_ptr<ros::TopicReader> answers;
   std::map<std::string, std::uint32_t> watches;  // by topic or node
-  // Of the tick that awaits answers: given to the connection; told to the nodes of the domain, before all that arrives
-  // from then on.
-  enum class Announcement : std::uint8_t { kGiven, kTold };
-  Announcement announcement = Announcement::kGiven;
-
-  bool is_told() const { return announcement == Announcement::kTold; }
+  bool is_told = false;                          // the nodes of the domain know of the tick: answers count from then on
 };
 
 RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options,
@@ -100,14 +94,9 @@ RosLockstepWait::~RosLockstepWait() {
 }
 
 void RosLockstepWait::AwaitPrepared() {
-  const double begin = Now();
   std::unique_lock lock(mutex_);
   Arm(fmt::format("{:016x}", run_));
-  while (!IsArmed() && Now() - begin < kMaxPreparing) {
-    lock.unlock();
-    std::this_thread::sleep_for(kPreparingPoll);
-    lock.lock();
-  }
+  arrived_.wait_for(lock, kMaxPreparing, [this] { return IsArmed(); });
 }
 
 void RosLockstepWait::OnWorldChange(std::shared_ptr<const Scene> scene) {
@@ -163,7 +152,7 @@ Result<TickRelease> RosLockstepWait::Release() {
   TickRelease release;
   if (answers_.stage() != TickAnswers::Stage::kAwaitingAnswers) return release;
   const bool is_announced =
-      std::all_of(channels_.begin(), channels_.end(), [](const auto& channel) { return channel->is_told(); });
+      std::all_of(channels_.begin(), channels_.end(), [](const auto& channel) { return channel->is_told; });
   Result<std::vector<std::string>> awaited = answers_.Awaited(Now());
   if (!awaited.ok()) return awaited.error();
   release.awaited = std::move(awaited).value();
@@ -200,6 +189,7 @@ void RosLockstepWait::OnArrival() {
   try {
     const std::lock_guard lock(mutex_);
     wakes = Advance();
+    arrived_.notify_all();
   } catch (const std::exception& exception) {  // of DDS, as without memory
     reports_.Add(exception.what());
   }
@@ -275,10 +265,8 @@ bool RosLockstepWait::Advance() {
   bool is_told = true;
   for (const auto& channel : channels_) {
     const ros::HostConnection::Watched watched = channel->connection.watched();
-    if (awaits && channel->announcement == Channel::Announcement::kGiven && watched.is_told) {
-      channel->announcement = Channel::Announcement::kTold;
-    }
-    is_told = is_told && channel->is_told();
+    channel->is_told = channel->is_told || (awaits && watched.is_told);
+    is_told = is_told && channel->is_told;
     for (const auto& [watched_name, watch] : channel->watches) {
       const TickAnswers::Name name{channel->domain, watched_name};
       if (!TickAnswers::IsTopic(name)) continue;  // its answers are read below
@@ -297,7 +285,7 @@ void RosLockstepWait::NoteDelivery() {
   std::set<TickAnswers::Name> absent;
   for (const auto& channel : channels_) {
     const std::optional<std::set<std::uint32_t>> held_for = channel->connection.watched().held_for;
-    if (channel->is_told()) continue;
+    if (channel->is_told) continue;
     if (!held_for) {
       delivery = TickAnswers::Delivery::kUnknown;
       break;
@@ -312,7 +300,7 @@ void RosLockstepWait::NoteDelivery() {
 
 // Behind all messages of the tick, and so is the time.
 void RosLockstepWait::Announce(Channel& channel) {
-  channel.announcement = Channel::Announcement::kGiven;
+  channel.is_told = false;
   channel.connection.Collect();
   const Tick tick = answers_.tick();
   if (channel.domain == options_.network.domain) hooks_.show_clock(tick, interval_ns_);
@@ -339,7 +327,7 @@ void RosLockstepWait::ReadAnswers(Channel& channel) {
     }
     const std::int64_t ns = std::int64_t{answer.stamp.sec} * kNsPerSecond + answer.stamp.nanosec;
     // Before the tick is told it is one to the frame before an edit.
-    if (ns == awaited_ns && channel.is_told()) return answers_.OnAnswer(name, Now());
+    if (ns == awaited_ns && channel.is_told) return answers_.OnAnswer(name, Now());
     answers_.OnOtherAnswer(name);
     if (ns == awaited_ns) return;
     reports_.Add(fmt::format("{}: ignored the answer of '{}' to {}.{:09} s, which is not the awaited tick", kDoneTopic,

@@ -15,9 +15,7 @@
 // are in wall time and end or continue the run, as the options say.
 //
 // The states of a wait and of each participant are in TickAnswers; this file has the connections that feed it. A
-// channel is the connection in one ROS domain, with the announcement of the published tick:
-//
-//   kGiven, from Announce --the program has written it--> kTold: answers count from then on
+// channel is the connection in one ROS domain; it is told of a tick once the program has written the announcement.
 #pragma once
 
 #include <condition_variable>
@@ -102,8 +100,9 @@ class RosLockstepWait {
   const Hooks hooks_;
   FloodLimiter reports_;
 
-  std::mutex mutex_;  // guards all below
-  std::condition_variable changed_;
+  std::mutex mutex_;                 // guards all below
+  std::condition_variable changed_;  // stop_ or unused_
+  std::condition_variable arrived_;  // something, on the thread of a connection
   bool stop_ = false;
   std::shared_ptr<const Scene> scene_;
   std::vector<std::unique_ptr<Channel>> channels_;

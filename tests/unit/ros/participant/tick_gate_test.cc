@@ -165,6 +165,14 @@ class TickGateTest : public testing::Test {
     EXPECT_TRUE(Eventually([this] { return !node_.DrainTimes().empty(); }));
   }
 
+  // A tick that is not held back.
+  void Publish(WaitingRun& run, const std::string& text, int tick) {
+    run.Arm(text);
+    agent_.Show(tick);
+    run.Tell();
+    EXPECT_TRUE(run.IsTold());
+  }
+
   test::HostParticipant host_;
   ShowingAgent agent_{host_};
   PlannerNode node_;
@@ -202,14 +210,9 @@ TEST_F(TickGateTest, AMessageOfATickIsWrittenOnceAndListedWithItsStamp) {
   ASSERT_TRUE(agent_.IsWanted());
   BeginWithAnswer(run);
   run.Arm("run 1 1");
-  agent_.Show(1);
   agent_.Show(1);  // as an agent that is started again
-  run.Tell();
-  EXPECT_TRUE(run.IsTold());
-  run.Arm("run 2 1");  // an edit
-  agent_.Show(1);
-  run.Tell();
-  EXPECT_TRUE(run.IsTold());
+  Publish(run, "run 1 1", 1);
+  Publish(run, "run 2 1", 1);  // an edit
   std::vector<int> times;
   EXPECT_TRUE(Eventually([&] {
     for (const int time : node_.DrainTimes()) times.push_back(time);
@@ -223,16 +226,10 @@ TEST_F(TickGateTest, NoReaderThatComesLaterMakesAnAgentShowATickAgain) {
   WaitingRun run(host_, "rt/plan");
   ASSERT_TRUE(agent_.IsWanted());
   BeginWithAnswer(run);
-  run.Arm("run 1 1");
-  agent_.Show(1);
-  run.Tell();
-  EXPECT_TRUE(run.IsTold());
+  Publish(run, "run 1 1", 1);
   PlannerNode late;
   EXPECT_TRUE(Eventually([&] { return !late.DrainList().empty(); }));
-  run.Arm("run 1 2");
-  agent_.Show(2);
-  run.Tell();
-  EXPECT_TRUE(run.IsTold());
+  Publish(run, "run 1 2", 2);
   std::vector<int> times;
   EXPECT_TRUE(Eventually([&] {
     for (const int time : node_.DrainTimes()) times.push_back(time);
