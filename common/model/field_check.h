@@ -58,6 +58,9 @@ class FieldCheck {
              Fail("an interval from " + TextOf(value.min, field) + " to " + TextOf(value.max, field),
                   "an end that is not below its beginning");
     } else if constexpr (HasFields<Value>) {
+      if constexpr (HasFreeNumbersOnly<Value>()) {
+        if (AreFine(value)) return true;
+      }
       const auto check = [&](const auto& part) { return CheckValue(part.Of(value), part) || FailAt(part.name); };
       return std::apply([&](const auto&... part) { return (... && check(part)); }, kFields<Value>);
     } else if constexpr (std::is_same_v<Value, double>) {
@@ -86,6 +89,21 @@ class FieldCheck {
     } else {
       return true;  // flags, texts and areas: any
     }
+  }
+
+  // Poses and twists, most of what a state is: numbers without limits of their own.
+  template <typename Value>
+  static constexpr bool HasFreeNumbersOnly() {
+    const auto is_free = []<typename Part>(const Field<Value, Part>& part) {
+      return std::is_same_v<Part, double> && part.limits == FieldLimits();
+    };
+    return std::apply([&](const auto&... part) { return (... && is_free(part)); }, kFields<Value>);
+  }
+  // Without the limits of each; a problem is then found one by one.
+  template <typename Value>
+  bool AreFine(const Value& value) const {
+    return std::apply([&](const auto&... part) { return (... && (std::abs(part.Of(value)) <= magnitude_)); },
+                      kFields<Value>);
   }
 
   bool CheckNumber(double number, const FieldInfo& field) {

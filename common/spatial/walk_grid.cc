@@ -5,7 +5,6 @@
 namespace troupe {
 namespace {
 
-constexpr double kMinWalkCell = 0.1;      // m
 constexpr double kMaxWalkCell = 0.25;     // m
 constexpr double kManyCells = 400'000.0;  // with more, cells are coarser
 constexpr double kMaxGridCells = 16e6;
@@ -16,9 +15,9 @@ constexpr std::uint8_t kUnknownStep = 0xff;  // not looked for so far
 constexpr std::uint8_t kNoStep = 0xfe;
 
 // m, of a cell.
-double SideOf(const Rectangle& bounds) {
+double SideOf(const Rectangle& bounds, double min_cell) {
   const double area = bounds.width() * bounds.height();
-  return std::max(std::clamp(std::sqrt(area / kManyCells), kMinWalkCell, kMaxWalkCell),
+  return std::max(std::clamp(std::sqrt(area / kManyCells), min_cell, kMaxWalkCell),
                   std::sqrt(area / kMaxGridCells));
 }
 
@@ -29,14 +28,13 @@ std::size_t CountOf(double length, double cell) {
 }  // namespace
 
 std::size_t WalkGrid::CountCells(const Rectangle& bounds) {
-  const double cell = SideOf(bounds);
+  const double cell = SideOf(bounds, kMinCell);
   return CountOf(bounds.width(), cell) * CountOf(bounds.height(), cell);
 }
 
 WalkGrid::WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const ZRange& z, double radius,
-                   const Rectangle& bounds)
-    : z_(z), radius_(radius), bounds_(bounds) {
-  cell_ = SideOf(bounds);
+                   const Rectangle& bounds, double min_cell)
+    : z_(z), radius_(radius), bounds_(bounds), cell_(SideOf(bounds, min_cell)) {
   columns_ = static_cast<int>(CountOf(bounds.width(), cell_));
   rows_ = static_cast<int>(CountOf(bounds.height(), cell_));
   room_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), Room::kFree);
@@ -94,6 +92,11 @@ bool WalkGrid::IsClear(const Vec2& from, const Vec2& to) const {
     if (room == Room::kBlocked || room == Room::kAtLeaf) return false;
   }
   return true;
+}
+
+void WalkGrid::MarkTaken(const ConvexPiece& piece, std::vector<bool>& taken) const {
+  if (!piece.obstacle || !piece.z.Overlaps(z_)) return;
+  ForEachNear(piece, radius_, [&](std::size_t cell, double) { taken[cell] = true; });
 }
 
 // The costs of the cells of a grid, with a border of blocked cells around them, so that a step needs no look at columns

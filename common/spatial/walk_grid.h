@@ -1,8 +1,8 @@
-// WalkGrid: the cells of a level in which people of one size fit, and the steps between them. WalkField: the shortest
-// way from every cell to a goal.
+// WalkGrid: the cells of a level in which people or robots of one size fit, and the steps between them. WalkField: the
+// shortest way from every cell to a goal.
 //
-// Cells have a side of 0.1 to 0.25 m, or more in a very large world, and are free if the centre of a person may be at
-// their centre. Lengths are whole numbers, 10 for a straight step and 14 for a diagonal one, times the cost of the
+// Cells have a side of 0.1 to 0.25 m, less for small robots, more in a very large world, and are free if the centre of
+// the body may be at their centre. Lengths are whole numbers, 10 for a straight step and 14 for a diagonal one, times the cost of the
 // cell: sums are exact, so that equal ways are equal and the first of them is chosen on every machine. Cells near walls
 // cost twice as much, and the leaves of open doors eight times: people keep away from both where there is room.
 //
@@ -50,13 +50,16 @@ class WalkGrid {
   // The bytes of memory for each cell of a grid, and of a field, at most.
   static constexpr std::size_t kBytesOfCell = 5;
 
-  // Of people at the heights `z` (m, W) with a radius.
+  static constexpr double kMinCell = 0.1;  // m, for people
+
+  // Of bodies at the heights `z` (m, W) with a radius; cells are not smaller than `min_cell` (m).
   WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const ZRange& z, double radius,
-           const Rectangle& bounds);
+           const Rectangle& bounds, double min_cell = kMinCell);
 
   std::size_t cell_count() const { return room_.size(); }
   int columns() const { return columns_; }
   double cell() const { return cell_; }
+  double radius() const { return radius_; }
   bool IsFree(std::size_t cell) const { return room_[cell] != Room::kBlocked; }
   static constexpr std::uint32_t kMaxCost = 8;
   std::uint32_t CostOf(std::size_t cell) const {
@@ -127,6 +130,9 @@ class WalkGrid {
   // All cells between the points are free, and not at the leaf of an open door.
   bool IsClear(const Vec2& from, const Vec2& to) const;
 
+  // Marks in `taken`, by cell, where a piece (in W) that stands there now leaves no room.
+  void MarkTaken(const ConvexPiece& piece, std::vector<bool>& taken) const;
+
  private:
   enum class Room : std::uint8_t { kFree, kNearWall, kAtLeaf, kBlocked };
 
@@ -163,7 +169,8 @@ class WalkField {
     return grid_.Nearest(from, [&](std::size_t cell) { return length_[cell] != kUnreached; });
   }
   // A person can stand at the centre of the cell around `p`, and walk from there to the goal.
-  bool Reaches(const Vec2& p) const { return target_ && grid_.Contains(p) && length_[grid_.CellOf(p)] != kUnreached; }
+  bool Reaches(const Vec2& p) const { return grid_.Contains(p) && ReachesCell(grid_.CellOf(p)); }
+  bool ReachesCell(std::size_t cell) const { return target_ && length_[cell] != kUnreached; }
   // m, by steps between cells.
   double LengthFrom(std::size_t cell) const { return length_[cell] * grid_.cell() / WalkGrid::kStraight; }
   bool IsTarget(std::size_t cell) const { return length_[cell] == 0; }

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kLookAhead = 48;      // steps
 constexpr double kDoorAhead = 3.0;  // m, by steps: a door that is nearer is seen
+constexpr double kBorder = 2.0;     // m, of grids around all that is in them
 constexpr std::uint32_t kNoRide = std::numeric_limits<std::uint32_t>::max();
 
 // The next part of the way of a field.
@@ -71,7 +72,6 @@ Rectangle FindBounds(const StaticIndex& walls, const WorldDescription& world, co
       if (stop) bounds.Extend(stop->Entrance());
     }
   }
-  constexpr double kBorder = 2.0;  // m
   return bounds.Inflated(kBorder);
 }
 
@@ -99,6 +99,11 @@ WalkRoutes::WalkRoutes(const Scene& scene, std::size_t spare_bytes) : portals_(s
   FindSizes(scene);
   NumberTargets(world);
   const Rectangle bounds = FindBounds(scene.static_index(), world, portals_);
+  robot_bounds_ = bounds;
+  for (const RobotDescription& robot : world.robots) {
+    const Vec2 start = world.model(robot.root).X_PM.translation();
+    robot_bounds_.Extend(Rectangle::Around(start, kBorder));
+  }
   for (const Size& size : sizes_) {
     for (const double level : levels_) {
       // By size and level; their order is that of FieldOf.
@@ -107,6 +112,7 @@ WalkRoutes::WalkRoutes(const Scene& scene, std::size_t spare_bytes) : portals_(s
     }
   }
   slots_ = std::vector<Slot>(grids_.size() * targets_);
+  if (sizes_.empty()) return;  // of robots alone, perhaps without bounds
   most_fields_ = MaxFields(world, sizes_.size(), CountStops(portals_), WalkGrid::CountCells(bounds), spare_bytes);
 }
 
@@ -257,6 +263,23 @@ void WalkRoutes::DropUnused() const {
     slots_[slot].field.reset();
   }
   kept_ -= used.size();
+}
+
+// Weak, so that a robot that goes up in a lift leaves no grids behind.
+std::shared_ptr<const WalkGrid> WalkRoutes::RobotGrid(const Scene& scene, const ZRange& z, double radius) const {
+  // A robot of two cells or less would see gaps that are not there, and miss others.
+  constexpr double kCellsOfRadius = 3.0;
+  constexpr double kSmallest = 0.02;  // m
+  radius = std::max(radius, kSmallest);
+  const std::scoped_lock lock(making_robot_grids_);
+  std::erase_if(robot_sizes_, [](const RobotSize& size) { return size.grid.expired(); });
+  for (const RobotSize& size : robot_sizes_) {
+    if (size.z == z && size.radius == radius) return size.grid.lock();
+  }
+  auto grid = std::make_shared<const WalkGrid>(scene.static_index(), portals_, z, radius, robot_bounds_,
+                                               std::min(radius / kCellsOfRadius, WalkGrid::kMinCell));
+  robot_sizes_.push_back({z, radius, grid});
+  return grid;
 }
 
 std::optional<Vec2> WalkRoutes::Target(PersonId person, const Goal& goal) const {

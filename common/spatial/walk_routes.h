@@ -1,5 +1,5 @@
 // WalkRoutes: the ways of people through the static bodies of a world, on grids of cells in which a person fits,
-// through doors, and with lifts between levels.
+// through doors, and with lifts between levels; and grids for robots, which search their ways alone (way_search.h).
 //
 // Levels are those of the world and the heights at which people start and lifts stop. A grid for each level, height and
 // radius of people, and on it a field for each goal and each stop of a lift: the length of the shortest way from every
@@ -27,6 +27,7 @@
 #include "common/spatial/scene.h"
 #include "common/spatial/walk_portals.h"
 #include "troupe/ids.h"
+#include "troupe/rectangle.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
@@ -64,6 +65,10 @@ class WalkRoutes {
   ~WalkRoutes();
 
   const WalkPortals& portals() const { return portals_; }
+
+  // The grid of robots at the heights `z` (m, W) with a radius (m). The same for all that ask for these, while it is in
+  // use. REQUIRES: `scene` is that of the constructor, or a copy.
+  std::shared_ptr<const WalkGrid> RobotGrid(const Scene& scene, const ZRange& z, double radius) const;
 
   // The level of a person at height `z`.
   std::size_t LevelAt(double z) const;
@@ -122,6 +127,14 @@ class WalkRoutes {
   std::vector<std::uint32_t> CountRides(PersonId person, const Goal& goal) const;
 
   const WalkPortals portals_;
+  Rectangle robot_bounds_ = Rectangle::Nothing();
+  struct RobotSize {
+    ZRange z;
+    double radius = 0.0;
+    std::weak_ptr<const WalkGrid> grid;
+  };
+  mutable std::mutex making_robot_grids_;         // guards the next
+  mutable std::vector<RobotSize> robot_sizes_;
   std::vector<double> levels_;                             // m, ascending
   std::vector<std::vector<Vec2>> goals_;                   // points, by set
   std::vector<std::vector<std::size_t>> levels_of_goals_;  // of the points, by set; empty for a set without heights

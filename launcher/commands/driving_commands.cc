@@ -10,10 +10,13 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
+#include "common/model/goal_text.h"
 #include "launcher/commands/commands.h"
 #include "launcher/driving/robot_remote.h"
 #include "launcher/process/process.h"
@@ -82,8 +85,20 @@ bool HasArrived(const Goal& goal, const EntityReport& robot, double tolerance) {
   return std::abs(twist.vx) < kStill && std::abs(twist.vy) < kStill && std::abs(twist.wz) < kStill;
 }
 
-// The state is asked for and not observed: an observer would receive the states of all robots.
-int AwaitArrival(const GotoOptions& options, const Goal& goal, RobotRemote& remote, SignalWatch& signals) {
+// The reason for which the robot's controller gave a goal up after tick `sent`; nothing: it did not.
+std::optional<std::string> ReasonToGiveUp(const EntityReport& robot, Tick sent) {
+  const std::string begin = fmt::format("\n{} ", kSaidLine);  // the last line, behind those of its rows
+  const std::size_t at = robot.signals.rfind(begin);
+  if (at == std::string::npos) return std::nullopt;
+  const nlohmann::json said = nlohmann::json::parse(robot.signals.substr(at + begin.size()), nullptr, false);
+  if (!said.is_object() || said.value("tick", Tick{0}) <= sent) return std::nullopt;
+  const std::string text = said.value("text", std::string());
+  return text.starts_with(kGaveUpGoal) ? std::optional(text) : std::nullopt;
+}
+
+// The state is asked for and not observed: an observer would receive the states of all robots. `sent`: the tick of the
+// reply to the goal.
+int AwaitArrival(const GotoOptions& options, const Goal& goal, Tick sent, RobotRemote& remote, SignalWatch& signals) {
   const Clock::time_point begin = Clock::now();
   for (;;) {
     const Result<ControlReply> reply = remote.Ask();
@@ -93,6 +108,10 @@ int AwaitArrival(const GotoOptions& options, const Goal& goal, RobotRemote& remo
       fmt::print("{} is at {:.3f},{:.3f},{:.2f} (tick {})\n", options.robot, robot.X_WE.x, robot.X_WE.y,
                  RadiansToDegrees(robot.X_WE.heading), reply.value().tick);
       return kExitDone;
+    }
+    if (const std::optional<std::string> reason = ReasonToGiveUp(robot, sent)) {
+      if (const Status failure = Cancel(remote); !failure.ok()) return Fail(failure.error());
+      return Fail(Failure(fmt::format("{} {}", options.robot, *reason)));
     }
     if (signals.ReadStopRequest()) {
       if (const Status failure = Cancel(remote); !failure.ok()) return Fail(failure.error());
@@ -139,7 +158,7 @@ int Goto(GotoOptions options) {
     command.goal = goal.value();
     const Result<ControlReply> reply = remote.value().Send(command, kMaxCommandTicks);
     if (!reply.ok()) return Fail(reply.error());
-    return options.no_wait ? kExitDone : AwaitArrival(options, goal.value(), remote.value(), signals);
+    return options.no_wait ? kExitDone : AwaitArrival(options, goal.value(), reply.value().tick, remote.value(), signals);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }

@@ -22,6 +22,8 @@
 
 namespace troupe {
 
+class Scene;
+
 struct BuiltInController {
   const char* name;
   // Checks the parameters. The error names the controller.
@@ -33,6 +35,8 @@ struct BuiltInController {
   Status (*check_in_world)(const RobotInfo& info) = nullptr;
   // Checks that the robot can reach a goal from its pose. The error is the reason. Null: a goal on its level.
   Status (*check_goal)(const RobotInfo& info, const Pose& X_WR, const Goal& goal) = nullptr;
+  // Checks, of a goal that passed, that a way leads there. The error is the reason. Null: nothing.
+  Status (*check_way)(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal) = nullptr;
 };
 
 BuiltInController Idle();

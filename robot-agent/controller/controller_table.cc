@@ -26,6 +26,8 @@ constexpr ParameterHelp kWaypointsHelp{
     "waypoints", "json", "m", "", 0.0, 0.0, "[[x, y], ...]; without them it waits for goals"};
 constexpr ParameterHelp kToleranceHelp{
     "tolerance", "number", "m", "0.1", 0.001, 100.0, "A waypoint within it is reached"};
+constexpr ParameterHelp kPlanHelp{
+    "plan", "flag", "", "false", 0.0, 0.0, "Search ways to its own waypoints, too, not only to goals"};
 constexpr ParameterHelp kSourceHelp{"source", "json", "", "1", 0.0, 0.0, "A point [x, y] in m, or the id of a mark"};
 constexpr ParameterHelp kSinkHelp{"sink", "json", "", "2", 0.0, 0.0, "A point [x, y] in m, or the id of a mark"};
 constexpr ParameterHelp kReachHelp{"reach", "number", "m", "1", 0.05, 100.0, "The robot is at a place within it"};
@@ -93,12 +95,14 @@ constexpr ParameterHelp kGoToParameters[] = {
     {"heading", "number", "rad", "", -2.0 * kPi, 2.0 * kPi, "At the last waypoint"},
     kSpeedHelp,
     kTurnRateHelp,
-    kToleranceHelp};
+    kToleranceHelp,
+    kPlanHelp};
 constexpr ParameterHelp kPatrolParameters[] = {
     {"waypoints", "json", "m", "[[0, 0], [1, 0]]", 0.0, 0.0, "[[x, y], ...], at least two", true},
     kSpeedHelp,
     kTurnRateHelp,
-    kToleranceHelp};
+    kToleranceHelp,
+    kPlanHelp};
 constexpr ParameterHelp kLanesParameters[] = {
     {"places", "json", "", "", 0.0, 0.0, "The names of places to visit; without them it waits for goals"},
     {"repeat", "flag", "", "true", 0.0, 0.0, "Begin again after the last place"},

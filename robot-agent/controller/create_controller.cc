@@ -15,6 +15,7 @@
 
 #include "common/base/paths.h"
 #include "common/base/text.h"
+#include "common/spatial/scene.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/gripper/manipulator.h"
 #include "robot-agent/navigation/steering.h"
@@ -305,7 +306,8 @@ Status CheckControllerNeeds(const WorldDescription& world, std::span<const Robot
   return Status();
 }
 
-Status CheckGoalOfController(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal) {
+Status CheckGoalOfController(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal) {
+  const WorldDescription& world = scene.world();
   constexpr double kLevel = 1.0;  // m: a goal on a table is on the level of the floor
   const std::optional<BuiltInController> controller = FindBuiltIn(world.robot(robot).controller.name);
   if (!controller) return Status();
@@ -319,7 +321,7 @@ Status CheckGoalOfController(const WorldDescription& world, RobotId robot, const
                     "on its level",
                     z, X_WR.z, controller->name));
   }
-  return Status();
+  return controller->check_way != nullptr ? controller->check_way(scene, robot, X_WR, goal) : Status();
 }
 
 BuiltInController Dynamic() {

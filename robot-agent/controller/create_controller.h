@@ -20,6 +20,7 @@
 namespace troupe {
 
 class Manipulator;
+class Scene;
 
 // Names of the built-in controllers, sorted.
 std::vector<std::string> BuiltInControllers();
@@ -40,8 +41,8 @@ RobotInfo InfoInWorld(const WorldDescription& world, RobotId robot, const Manipu
 // places. The error names the robot and the controller.
 Status CheckControllerNeeds(const WorldDescription& world, std::span<const RobotId> robots);
 
-// Checks that the built-in controller of the robot knows a way to the goal from its pose: along lanes, or on its level.
-// Success for a library, which alone knows. The error is the reason.
-Status CheckGoalOfController(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal);
+// Checks that the built-in controller of the robot knows a way to the goal from its pose: along lanes, or on its level
+// around static bodies. Success for a library, which alone knows. The error is the reason.
+Status CheckGoalOfController(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal);
 
 }  // namespace troupe

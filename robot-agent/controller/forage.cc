@@ -50,8 +50,8 @@ struct ForageParameters {
   std::optional<MappedRoute::Settings> map;
 };
 
-enum class Variant : std::uint8_t { kOneTask, kTasks, kPlanning };
-constexpr auto NamesOf(Variant) {
+enum class ForageVariant : std::uint8_t { kOneTask, kTasks, kPlanning };
+constexpr auto NamesOf(ForageVariant) {
   return std::array{"fasr", "fasr2", "fasr_plan"};
 }
 
@@ -91,11 +91,11 @@ std::vector<Task> ReadTasks(const JsonReader& reader) {
   return tasks;
 }
 
-template <Variant kVariant>
+template <ForageVariant kVariant>
 Result<ForageParameters> ParseForage(const std::string& text) {
   ForageParameters p;
   Parameters reader(NameOf(kVariant), text);
-  if (kVariant == Variant::kTasks) p.tasks = ReadTasks(reader.reader());
+  if (kVariant == ForageVariant::kTasks) p.tasks = ReadTasks(reader.reader());
   const UnitPlace source = ReadUnitPlaceOr(reader.reader(), "source", 1);
   const UnitPlace sink = ReadUnitPlaceOr(reader.reader(), "sink", 2);
   if (p.tasks.empty()) p.tasks.push_back({source, sink});
@@ -111,8 +111,8 @@ Result<ForageParameters> ParseForage(const std::string& text) {
     reader.Fail(fmt::format("'charge_to' is {}, expected a number from 'charge_below', which is {}, to 1", p.charge_to,
                             p.charge_below));
   }
-  if (kVariant == Variant::kTasks) p.patience = reader.ReadNumber("patience", {0.0, 1e6}).value_or(60.0);
-  if (kVariant == Variant::kPlanning) p.map = ReadMapSettings(reader, p.motion.clearance);
+  if (kVariant == ForageVariant::kTasks) p.patience = reader.ReadNumber("patience", {0.0, 1e6}).value_or(60.0);
+  if (kVariant == ForageVariant::kPlanning) p.map = ReadMapSettings(reader, p.motion.clearance);
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;
 }
@@ -273,19 +273,19 @@ class ForageController final : public Controller {
   std::uint64_t delivered_ = 0;
 };
 
-template <Variant kVariant>
+template <ForageVariant kVariant>
 Status CheckForage(const std::string& parameters) {
   const Result<ForageParameters> parsed = ParseForage<kVariant>(parameters);
   return parsed.ok() ? Status() : parsed.error();
 }
 
-template <Variant kVariant>
+template <ForageVariant kVariant>
 Result<std::unique_ptr<Controller>> CreateForage(const RobotInfo& info) {
   Result<ForageParameters> parsed = ParseForage<kVariant>(info.parameters);
   if (!parsed.ok()) return parsed.error();
   ForageParameters& parameters = parsed.value();
   const std::optional<std::size_t> ranger = FindBestRanger(info);
-  if (kVariant == Variant::kPlanning && !ranger) return Error{{}, "fasr_plan: the robot has no ranger, expected one"};
+  if (kVariant == ForageVariant::kPlanning && !ranger) return Error{{}, "fasr_plan: the robot has no ranger, expected one"};
   const std::optional<std::size_t> finder = FindFinder(info);
   const bool needs_finder = std::any_of(parameters.tasks.begin(), parameters.tasks.end(), [](const Task& task) {
     return NeedsFinder(task.source) || NeedsFinder(task.sink);
@@ -308,15 +308,15 @@ Result<std::unique_ptr<Controller>> CreateForage(const RobotInfo& info) {
 }  // namespace
 
 BuiltInController Fasr() {
-  return {"fasr", CheckForage<Variant::kOneTask>, CreateForage<Variant::kOneTask>};
+  return {"fasr", CheckForage<ForageVariant::kOneTask>, CreateForage<ForageVariant::kOneTask>};
 }
 
 BuiltInController Fasr2() {
-  return {"fasr2", CheckForage<Variant::kTasks>, CreateForage<Variant::kTasks>};
+  return {"fasr2", CheckForage<ForageVariant::kTasks>, CreateForage<ForageVariant::kTasks>};
 }
 
 BuiltInController FasrPlan() {
-  return {"fasr_plan", CheckForage<Variant::kPlanning>, CreateForage<Variant::kPlanning>};
+  return {"fasr_plan", CheckForage<ForageVariant::kPlanning>, CreateForage<ForageVariant::kPlanning>};
 }
 
 }  // namespace troupe

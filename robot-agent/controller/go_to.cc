@@ -3,6 +3,10 @@
 // A goal of a user comes from the page, troupectl, ROS or a tool, as an input of the tick. It replaces the route of the
 // parameters until it is cancelled or expires; then the route begins again. A waypoint is reached within the tolerance,
 // without stopping, except for the last one.
+//
+// Ways to goals are searched on the map of the world (robot-agent/navigation/goal_way.h); the route of the parameters is
+// driven in straight lines, unless `plan` is set. The map is matched to
+// the surroundings, while the goal stays where the robot's estimate has it: it drifts as odometry does.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +16,10 @@
 
 #include "common/base/json_reader.h"
 #include "common/geometry/limits.h"
+#include "common/model/goal_text.h"
 #include "robot-agent/controller/built_in.h"
+#include "robot-agent/navigation/goal_way.h"
+#include "robot-agent/navigation/lane_traffic.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
@@ -22,11 +29,14 @@ namespace {
 
 constexpr double kHeadingTolerance = 0.02;  // rad
 constexpr double kBackOffTime = 1.0;        // s, after a stall
+constexpr double kFacing = 0.85;            // cosine: it drives on a way once it faces it
+
 struct GoToParameters {
   SteerSettings steer;
   double tolerance = 0.1;         // m: a waypoint within it is reached
   std::vector<Vec2> waypoints;    // m, in the frame of the robot's estimate
   std::optional<double> heading;  // rad, at the last one
+  bool plan = false;              // search ways to waypoints, too
 };
 
 Result<GoToParameters> ParseGoTo(const char* name, bool repeats, const std::string& text) {
@@ -41,23 +51,28 @@ Result<GoToParameters> ParseGoTo(const char* name, bool repeats, const std::stri
   p.steer.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.steer.speed);
   p.steer.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.steer.turn_rate);
   p.tolerance = reader.ReadNumber("tolerance", {0.001, 100.0}).value_or(p.tolerance);
+  p.plan = reader.ReadBool("plan").value_or(p.plan);
   if (repeats && p.waypoints.size() < 2)
     reader.Fail("'waypoints' has fewer than 2 points, expected [[x, y], [x, y], ...]");
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;
 }
 
-class GoToController final : public Controller {
+class GoToController final : public Controller, public RobotWatcher {
  public:
   GoToController(const RobotInfo& info, GoToParameters parameters, bool repeats)
       : parameters_(std::move(parameters)),
+        id_(info.id),
         drive_(info.robot->drive),
         recovery_(drive_, parameters_.steer),
-        repeats_(repeats) {
+        repeats_(repeats),
+        way_(info.id, drive_) {
     RestartRoute();
   }
 
   bool AcceptsGoals() const override { return true; }
+
+  void WatchRobots(const Surroundings& around) override { around_.emplace(around); }
 
   Command Update(const Observation& observation) override {
     FollowGoal(observation.goal);
@@ -66,6 +81,7 @@ class GoToController final : public Controller {
     const double patience = is_stuck ? std::max(observation.time - stalled_at_, Recovery::kPatience) : Recovery::kNever;
     if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
       back_off_until_ = observation.time;
+      way_.Restart();
       if (next_ == route_.size() && next_ > 0) --next_;  // the recovery leads away from the last waypoint
       return *recovery;
     }
@@ -73,7 +89,9 @@ class GoToController final : public Controller {
       stalled_at_ = observation.time;
       back_off_until_ = observation.time + kBackOffTime;
       back_off_turn_ = observation.Random(0) < 0.5 ? 1.0 : -1.0;
+      way_.Restart();
     }
+    if (goal_ && given_up_ == goal_) return {};
     const Pose& X_ER = observation.pose_estimate;
     while (next_ < route_.size() &&
            (route_[next_] - X_ER.translation()).squaredNorm() <= parameters_.tolerance * parameters_.tolerance) {
@@ -86,6 +104,7 @@ class GoToController final : public Controller {
     const Vec2 p_R = Transform2(X_ER).InverseTransform(route_[next_]);
     const bool is_last = next_ + 1 == route_.size() && (goal_ || !repeats_);
     const double most = is_last ? BrakingSpeed(drive_, std::sqrt(p_R.squaredNorm())) : parameters_.steer.speed;
+    if (around_ && (goal_ || parameters_.plan)) return FollowWay(observation, p_R, most);
     return SteerToPoint(drive_, parameters_.steer, p_R, most);
   }
 
@@ -100,6 +119,7 @@ class GoToController final : public Controller {
     }
     if (goal_ == goal->number) return;
     goal_ = goal->number;
+    way_.Reset();
     route_ = goal->waypoints;
     heading_ = goal->heading;
     next_ = 0;
@@ -107,9 +127,37 @@ class GoToController final : public Controller {
 
   void RestartRoute() {
     goal_.reset();
+    way_.Reset();
     route_ = parameters_.waypoints;
     heading_ = parameters_.heading;
     next_ = 0;
+  }
+
+  // Along the way to the next point, which is at p_R (m, frame R), no faster than `most` m/s.
+  Command FollowWay(const Observation& observation, const Vec2& p_R, double most) {
+    const Transform2 X_WR(around_->PoseOf(id_));
+    const Result<GoalWay::Leg> leg = way_.Update(observation, *around_, X_WR * p_R);
+    if (!leg.ok()) return GiveUp(leg.error().message);
+    const Vec2 ahead_R = X_WR.InverseTransform(leg.value().point);
+    Command command = SteerToPoint(drive_, parameters_.steer, ahead_R, std::min(most, leg.value().most));
+    // It leaves its way only where it turns on the spot.
+    if (ahead_R.x() < kFacing * ahead_R.norm()) command.twist.vx = 0.0;
+    return command;
+  }
+
+  // A goal of a user ends here; of its own route the robot leaves a waypoint out.
+  Command GiveUp(const std::string& reason) {
+    Command command;
+    const Vec2& point = route_[next_];
+    command.say = fmt::format("{} ({:.2f}, {:.2f}): {}", goal_ ? kGaveUpGoal : "leaves out the waypoint", point.x(),
+                              point.y(), reason);
+    if (goal_) {
+      given_up_ = goal_;
+      return command;
+    }
+    way_.Reset();
+    if (++next_ == route_.size() && repeats_) next_ = 0;
+    return command;
   }
 
   // Says once that a user's goal is reached.
@@ -144,17 +192,21 @@ class GoToController final : public Controller {
   }
 
   GoToParameters parameters_;
+  RobotId id_;
   DriveDescription drive_;
   Recovery recovery_;
   bool repeats_;
   std::optional<std::uint32_t> goal_;       // the user's, while there is one
   std::optional<std::uint32_t> announced_;  // the last that was reached
+  std::optional<std::uint32_t> given_up_;   // the last to which there was no way
   std::vector<Vec2> route_;
   std::optional<double> heading_;
   std::size_t next_ = 0;         // in route_
   double stalled_at_ = 0.0;      // s, simulated: when it last began to back off
   double back_off_until_ = 0.0;  // s, simulated
   double back_off_turn_ = 1.0;   // 1: to the left
+  GoalWay way_;
+  std::optional<Surroundings> around_;  // of this tick; nothing: the robot sees no other bodies
 };
 
 template <bool kRepeats>
@@ -171,6 +223,10 @@ Result<std::unique_ptr<Controller>> CreateGoTo(const RobotInfo& info) {
   Result<GoToParameters> parameters = ParseGoTo(kName<kRepeats>, kRepeats, info.parameters);
   if (!parameters.ok()) return parameters.error();
   return std::unique_ptr<Controller>(std::make_unique<GoToController>(info, std::move(parameters).value(), kRepeats));
+}
+
+Status CheckWayToGoal(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal) {
+  return CheckWays(scene, robot, X_WR, goal.waypoints);
 }
 
 // follow: drives behind a model that its fiducial finder sees.
@@ -258,11 +314,11 @@ Result<std::unique_ptr<Controller>> CreateFollow(const RobotInfo& info) {
 }  // namespace
 
 BuiltInController GoTo() {
-  return {kName<false>, CheckGoTo<false>, CreateGoTo<false>};
+  return {.name = kName<false>, .check = CheckGoTo<false>, .create = CreateGoTo<false>, .check_way = CheckWayToGoal};
 }
 
 BuiltInController Patrol() {
-  return {kName<true>, CheckGoTo<true>, CreateGoTo<true>};
+  return {.name = kName<true>, .check = CheckGoTo<true>, .create = CreateGoTo<true>, .check_way = CheckWayToGoal};
 }
 
 BuiltInController Follow() {

@@ -61,17 +61,28 @@ const WorldDescription& Surroundings::world() const {
   return scene.world();
 }
 
-std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
-                                              const Vec2& direction, double way) {
+const Pose& Surroundings::PoseOf(RobotId robot) const {
+  return bodies.X_WB(scene.body_of(robot));
+}
+
+std::optional<ContactAhead> FindContactAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
+                                             const Vec2& direction, double way) {
   if (!(way > 0.0)) return std::nullopt;
-  const Scene& scene = around.scene;
-  const WorldDescription& world = scene.world();
   const RobotMover robot(around, own);
   const Vec2 direction_R = Transform2(X_WR).InverseRotate(direction);
   const Motion motion{X_WR, {direction_R.x(), direction_R.y(), 0.0}, 0.0, way};  // 1 m/s: seconds are metres
-  const std::optional<Contact> contact = FirstContact(scene, around.bodies, robot.mover(), motion);
+  const std::optional<Contact> contact = FirstContact(around.scene, around.bodies, robot.mover(), motion);
   if (!contact || !contact->other) return std::nullopt;
-  ModelId model = *contact->other;
+  return ContactAhead{*contact->other, contact->time};
+}
+
+std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
+                                              const Vec2& direction, double way) {
+  const Scene& scene = around.scene;
+  const WorldDescription& world = scene.world();
+  const std::optional<ContactAhead> contact = FindContactAhead(around, own, X_WR, direction, way);
+  if (!contact) return std::nullopt;
+  ModelId model = contact->model;
   if (scene.robot_of(model)) return std::nullopt;
   if (const std::optional<ObjectId> object = scene.object_of(model)) {
     if (IsMovingLeaf(around, *object)) return std::nullopt;
@@ -83,7 +94,7 @@ std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotI
     if (walker.vx != 0.0 || walker.vy != 0.0) return std::nullopt;
     model = world.person(*person).root;
   }
-  return LaneObstacle{world.model(model).name, contact->time, person.has_value()};
+  return LaneObstacle{world.model(model).name, contact->room, person.has_value()};
 }
 
 ClosedLanes::Block ClosedLanes::Count(std::size_t lane) {

@@ -28,7 +28,17 @@ struct Surroundings {
   const WorldState& state;
 
   const WorldDescription& world() const;
+  const Pose& PoseOf(RobotId robot) const;  // X_WR
 };
+
+// The first contact of the robot, if it were at X_WR and moved by `way` m along `direction` (a unit vector, W) without
+// turning. Nothing: there is none.
+struct ContactAhead {
+  ModelId model;      // with which
+  double room = 0.0;  // m, that the robot can move until then
+};
+std::optional<ContactAhead> FindContactAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
+                                             const Vec2& direction, double way);
 
 struct LaneObstacle {
   std::string name;   // of the static model, or of the root of the object or person
@@ -36,9 +46,8 @@ struct LaneObstacle {
   bool is_person = false;
 };
 
-// The first contact of the robot, if it were at X_WR and moved by `way` m along `direction` (a unit vector, W) without
-// turning. Nothing also where the first contact is with a robot, a person that walks, or a leaf of a door that is not
-// open: these move.
+// The obstacle of FindContactAhead. Nothing also where it is a robot, a person that walks, or a leaf of a door that is
+// not open: these move.
 std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
                                               const Vec2& direction, double way);
 

@@ -164,6 +164,20 @@ TEST_F(Driving, GotoSendsARobotToPointsAndWaitsUntilItIsThere) {
   EXPECT_TRUE(Await("walker", Stands));
 }
 
+TEST_F(Driving, GotoLeadsAroundObstaclesOrSaysWhyNot) {
+  Start({"--speed", "max"});
+  EXPECT_THAT(OutputOf(Goto({"walker", "12.5,0"})), HasSubstr("walker is at ")) << "behind the pen";
+  EXPECT_THAT(OutputOf(Goto({"walker", "8,0", "10,0"}), 3),
+              HasSubstr("error: 'walker' cannot reach the goal: no way leads to (10.00, 0.00)"));
+  EXPECT_THAT(OutputOf(Goto({"walker", "10,1"}), 3),
+              HasSubstr("error: 'walker' cannot reach the goal: there is no room for it at (10.00, 1.00)"));
+  EXPECT_THAT(OutputOf(Goto({"walker", "10,6"}), 3),
+              HasSubstr("error: walker gave up the goal (10.00, 6.00): guard is in the way"));
+  // Its last words are in its report, and the next goal is another one.
+  EXPECT_THAT(OutputOf(Troupe(Command("ctl", {"get", "walker"}))), HasSubstr("gave up the goal (10.00, 6.00)"));
+  EXPECT_THAT(OutputOf(Goto({"walker", "0,0"})), HasSubstr("walker is at "));
+}
+
 TEST_F(Driving, GotoCancelsTheGoalWhenItEndsEarly) {
   Start({"--speed", "1"});
   EXPECT_THAT(OutputOf(Goto({"walker", "500,0", "--timeout", "1"}), 3),

@@ -27,12 +27,14 @@ struct Kind {
   bool may_stand;  // on purpose: at its goal, or without one. It must not stand stalled.
 };
 
-constexpr std::array<Kind, 13> kKinds{{
+constexpr std::array<Kind, 15> kKinds{{
     {"wander", "{}", false},
     {"wander", R"({"min_distance": 0.3, "speed": 0.8})", false},
     {"expand", "{}", false},
     {"patrol", R"({"waypoints": [[2, 2], [-2, -2], [3, -2]]})", false},
     {"go_to", R"({"waypoints": [[1.5, -1.5], [-2, 2]], "heading": 1})", true},
+    {"patrol", R"({"plan": true, "waypoints": [[2, -2], [-2, 2], [3, 2]]})", true},  // before a blocked way
+    {"go_to", R"({"plan": true, "waypoints": [[1.5, 1.5], [-2, 2]]})", true},
     {"dynamic", "{}", false},
     {"follow", "{}", true},
     {"pioneer_flocking", "{}", false},

@@ -292,8 +292,8 @@ TEST(Lanes, LeadToAGoalOnItsLevelOrAreRefused) {
   const RobotId robot = *FindRobot(world, "r1");
   const Pose& start = world.model(world.robot(robot).root).X_PM;
   Goal goal{.number = 1, .waypoints = {{11.0, 8.0}}, .heights = {4.0}};
-  EXPECT_TRUE(CheckGoalOfController(world, robot, start, goal).ok());
   const Scene scene(world);
+  EXPECT_TRUE(CheckGoalOfController(scene, robot, start, goal).ok());
   const std::unique_ptr<Robot> r1 = ValueOf(Robot::Create(scene, robot));
   BodyIndex bodies(scene);
   WorldState state = InitialState(scene);
@@ -307,13 +307,13 @@ TEST(Lanes, LeadToAGoalOnItsLevelOrAreRefused) {
   EXPECT_TRUE(IsNearPlace(state.robots[robot.index()], 11, 8, 4));
   goal.waypoints = {{0.0, 0.0}};
   goal.heights = {0.0};
-  EXPECT_THAT(CheckGoalOfController(world, robot, start, goal).error().message,
+  EXPECT_THAT(CheckGoalOfController(scene, robot, start, goal).error().message,
               HasSubstr("no lanes lead from eA to alone"));
   WorldDescription other = world;
   other.robots[robot.index()].controller = {"go_to", "{}"};
-  EXPECT_TRUE(CheckGoalOfController(other, robot, start, goal).ok());
+  EXPECT_TRUE(CheckGoalOfController(Scene(other), robot, start, goal).ok());
   goal.heights = {4.0};
-  EXPECT_THAT(CheckGoalOfController(other, robot, start, goal).error().message,
+  EXPECT_THAT(CheckGoalOfController(Scene(other), robot, start, goal).error().message,
               HasSubstr("the goal is at a height of 4.00 m and the robot at 0.00 m, and controller go_to stays"));
   goal.heights = {4.0, 4.0};
   EXPECT_FALSE(CheckRobotCommand(world, {.robot = robot, .goal = goal}).ok());

@@ -9,6 +9,7 @@
 
 #include "common/base/json_reader.h"
 #include "common/base/json_writer.h"
+#include "common/model/goal_text.h"
 #include "common/model/states.h"
 #include "common/signals/state_tables.h"
 #include "common/spatial/check_order.h"
@@ -255,6 +256,12 @@ void SetSignals(const WorldDescription& world, const WorldState& state, EntityRe
       WriteRow(table, view, thing - things.first(kind), json);
     }
   }
+}
+
+void SetSaid(const Event& said, EntityReport& entity) {
+  entity.signals += (entity.signals.empty() ? "" : "\n") + std::string(kSaidLine) + " ";
+  JsonWriter json(entity.signals);
+  json.BeginObject().Member("tick", said.tick).Member("text", said.detail).EndObject();
 }
 
 std::string FreeName(const WorldDescription& world, const std::string& base) {

@@ -67,6 +67,9 @@ void SetAgents(const WorldDescription& world, const Membership& members, std::ve
 // Sets the signals of an entity: of each row of a table of the state that is the entity, and not a part of it.
 void SetSignals(const WorldDescription& world, const WorldState& state, EntityReport& entity);
 
+// Adds the last words of a robot's controller to its signals: a line "said {"tick":N,"text":"..."}".
+void SetSaid(const Event& said, EntityReport& entity);
+
 // "base", or "base0", "base1", ...: the first that is free.
 std::string FreeName(const WorldDescription& world, const std::string& base);
 

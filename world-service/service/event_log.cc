@@ -60,7 +60,10 @@ void EventLog::Report(Tick tick, std::optional<RobotId> robot, std::string_view 
 
 std::vector<Event> EventLog::CompleteFrame(Tick tick, std::vector<Event> of_step) {
   reports_between_frames_ = 0;
-  for (const Event& event : of_step) stalls_ += event.type == EventType::kStallBegan;
+  for (const Event& event : of_step) {
+    stalls_ += event.type == EventType::kStallBegan;
+    if (event.type == EventType::kSaid && event.robot) said_[*event.robot] = event;
+  }
   unreported_.insert(unreported_.end(), of_step.begin(), of_step.end());
   // The usual tick: nothing to merge.
   if (between_frames_.empty()) return of_step;
@@ -77,6 +80,11 @@ std::vector<Event> EventLog::CompleteFrame(Tick tick, std::vector<Event> of_step
 std::vector<Event> EventLog::DrainUnreported() {
   unreported_reports_ = 0;
   return std::exchange(unreported_, {});
+}
+
+const Event* EventLog::LastSaid(RobotId robot) const {
+  const auto said = said_.find(robot);
+  return said != said_.end() ? &said->second : nullptr;
 }
 
 std::string EventText(const WorldDescription& world, const Event& event) {

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -45,9 +46,13 @@ class EventLog {
   // The events that were not returned before, in their order.
   std::vector<Event> DrainUnreported();
 
+  // The last that the robot's controller has said (kSaid), in a frame so far; null: nothing.
+  const Event* LastSaid(RobotId robot) const;
+
   // An edit has changed the meaning of ids: no event from before enters a frame.
   void DiscardPending() {
     between_frames_.clear();
+    said_.clear();
     reports_between_frames_ = 0;
   }
 
@@ -65,6 +70,7 @@ class EventLog {
 
   std::vector<Event> between_frames_;
   std::vector<Event> unreported_;
+  std::map<RobotId, Event> said_;
   std::size_t reports_between_frames_ = 0;  // of between_frames_, as the next
   std::size_t unreported_reports_ = 0;
   std::uint64_t stalls_ = 0;

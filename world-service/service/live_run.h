@@ -53,8 +53,7 @@ struct CoordinatorOptions {
   // LoadOverrides::check_in_world, of robots that are spawned.
   std::function<Status(const WorldDescription& world, std::span<const RobotId> robots)> check_in_world = {};
   // ServiceOptions::check_goal.
-  std::function<Status(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal)> check_goal =
-      {};
+  std::function<Status(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal)> check_goal = {};
   std::optional<ResumedRun> resumed = {};  // a run to be continued; then `run` and `incarnation` are its
 };
 

@@ -91,7 +91,7 @@ Status RunControl::CommandRobot(const control::CommandRobot& request, double now
   }
   if (command.goal && run_.options.check_goal) {
     const Pose& X_WR = run_.frame.state.robots[robot->index()].X_WR;
-    if (Status reason = run_.options.check_goal(run_.world(), *robot, X_WR, *command.goal); !reason.ok()) {
+    if (Status reason = run_.options.check_goal(*run_.scene, *robot, X_WR, *command.goal); !reason.ok()) {
       return BadInput("'" + request.name + "' cannot reach the goal: " + reason.error().message);
     }
   }
@@ -305,7 +305,11 @@ Result<std::vector<EntityReport>> RunControl::Entities(const control::Entities& 
       return found;
     }
     std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
-    for (EntityReport& entity : entities) SetSignals(run_.world(), run_.frame.state, entity);
+    for (EntityReport& entity : entities) {
+      SetSignals(run_.world(), run_.frame.state, entity);
+      const std::optional<RobotId> robot = FindRobot(run_.world(), name);
+      if (const Event* const said = robot ? run_.events.LastSaid(*robot) : nullptr) SetSaid(*said, entity);
+    }
   }
   SetAgents(run_.world(), run_.members, entities);
   if (query.with_boxes) SetBoxes(run_.world(), run_.frame.state, entities);

@@ -76,8 +76,7 @@ struct ServiceOptions {
   // Whether an edit may lead to this world, or add this entity; nothing: any.
   std::function<Status(const WorldDescription& world)> check_world = {};
   // Whether a robot at X_WR can reach a goal of a user; nothing: it tries.
-  std::function<Status(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal)> check_goal =
-      {};
+  std::function<Status(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal)> check_goal = {};
 };
 
 // Runs until the settings' number of ticks, `stop`, or a failure. The error is for users: agents that did not join

@@ -1,0 +1,280 @@
+#include "robot-agent/navigation/goal_way.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory_resource>
+
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
+#include "common/spatial/walk_grid.h"
+#include "common/spatial/walk_routes.h"
+#include "common/spatial/way_search.h"
+#include "robot-agent/navigation/steering.h"
+#include "troupe/deterministic_math.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kSameGoal = 0.05;       // m: a goal that moves by less, with an estimate that drifts, is the same
+constexpr double kHeightChange = 0.05;      // m
+constexpr double kSeen = 4.0;            // m: bodies so near are searched around
+constexpr double kLook = 0.6;            // m, ahead of twice the way to brake
+constexpr double kGap = 0.1;             // m, to what is in the way
+constexpr double kStanding = 0.05;       // m: with less room it waits
+constexpr double kFacing = 0.5;          // rad: it looks along its way once it faces it
+constexpr double kMargin = 0.1;          // m, to both sides of a robot that turns, where there is room
+constexpr double kRetry = 2.0;           // s, between searches where a body leaves no way
+constexpr double kObjectPatience = 0.5;  // s
+constexpr double kBodyPatience = 1.0;        // s, before a robot or a person that stands; twice that before one that moves
+constexpr double kGiveUp = 30.0;         // s
+constexpr int kSearchesOfLargerId = 1;   // that find no way past a robot, until it makes room
+constexpr int kSearchesOfSmallerId = 4;
+constexpr double kAside = 4.0;           // s, and up to as many more, beside the way
+constexpr double kMovedOn = 0.5;        // m: it is not blocked any more
+constexpr int kMaxSearches = 60;         // for one goal
+constexpr double kPassed = 0.1;          // m, from a point of the way
+constexpr double kPassedByCar = 0.4;     // m
+constexpr double kCornerSpeed = 0.25;    // m/s
+constexpr double kSharp = 0.35;          // rad, of a corner
+constexpr double kAtRest = 1e-3;          // m/s and rad/s
+
+double HalfWidth(const Body& body) {
+  double width = 0.0;
+  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
+    if (!body.pieces[i].obstacle || body.piece_links[i] != 0) continue;
+    for (const Vec2& vertex : body.pieces[i].vertices) width = std::max(width, std::fabs(vertex.y()));
+  }
+  return width;
+}
+
+// Of the robot, object or person that the model belongs to.
+std::string NameOfBody(const Scene& scene, ModelId model) {
+  const WorldDescription& world = scene.world();
+  if (const std::optional<RobotId> robot = scene.robot_of(model)) return world.robot(*robot).name;
+  if (const std::optional<ObjectId> object = scene.object_of(model)) model = world.objects[object->index()];
+  if (const std::optional<PersonId> person = scene.person_of(model)) model = world.person(*person).root;
+  return world.model(model).name;
+}
+
+// Of the robot at height `z` m.
+std::shared_ptr<const WalkGrid> GridOf(const Scene& scene, RobotId robot, double z, double radius) {
+  return scene.walk_routes().RobotGrid(scene, scene.body(scene.body_of(robot)).z + z, radius);
+}
+
+}  // namespace
+
+Status CheckWays(const Scene& scene, RobotId robot, const Pose& X_WR, std::span<const Vec2> points) {
+  const auto grid = GridOf(scene, robot, X_WR.z, HalfWidth(scene.body(scene.body_of(robot))));
+  return CheckWays(*grid, X_WR.translation(), points);
+}
+
+void GoalWay::Reset() {
+  *this = GoalWay(own_, drive_);
+}
+
+void GoalWay::Begin(const Vec2& goal) {
+  Reset();
+  goal_ = goal;
+  is_due_ = true;
+}
+
+Vec2 GoalWay::VelocityOf(const Surroundings& around, BodyId body) {
+  if (body.index() < around.world().robots.size()) {
+    const RobotState& robot = around.state.robots[body.index()];
+    return around.bodies.transform(body).Rotate({robot.twist.vx, robot.twist.vy});
+  }
+  const std::optional<PersonId> person = around.scene.person_of(body);
+  if (!person) return {0.0, 0.0};
+  const PersonState& state = around.state.people[person->index()];
+  return {state.vx, state.vy};
+}
+
+bool GoalWay::Moves(const Surroundings& around, BodyId body) {
+  const bool turns = body.index() < around.world().robots.size() &&
+                     std::fabs(around.state.robots[body.index()].twist.wz) > kAtRest;
+  return turns || VelocityOf(around, body).norm() > kAtRest;
+}
+
+bool GoalWay::MovesAway(const Surroundings& around, BodyId body) const {
+  const Vec2 offset = around.bodies.X_WB(body).translation() - around.PoseOf(own_).translation();
+  return VelocityOf(around, body).dot(offset) > kAtRest;
+}
+
+std::vector<const ConvexPiece*> GoalWay::StandingPieces(const Surroundings& around) const {
+  std::pmr::vector<BodyId> standing;
+  around.bodies.Query(Rectangle::Around(around.PoseOf(own_).translation(), kSeen), standing);
+  std::erase_if(standing, [&](BodyId body) { return Moves(around, body); });
+  for (const ModelId model : blockers_) {
+    const std::optional<BodyId> body = around.scene.body_of(model);
+    if (body && !MovesAway(around, *body)) standing.push_back(*body);
+  }
+  std::sort(standing.begin(), standing.end());
+  standing.erase(std::unique(standing.begin(), standing.end()), standing.end());
+  std::vector<const ConvexPiece*> pieces;
+  for (const BodyId body : standing) {
+    if (body == around.scene.body_of(own_) || around.bodies.owner(body) == own_) continue;
+    for (const ConvexPiece& piece : around.bodies.pieces_in_world(body)) pieces.push_back(&piece);
+  }
+  return pieces;
+}
+
+Status GoalWay::SearchOn(const Surroundings& around, double radius, bool around_bodies) {
+  const Pose& X_WR = around.PoseOf(own_);
+  grid_radius_ = radius;
+  grid_z_ = X_WR.z;
+  grid_ = GridOf(around.scene, own_, grid_z_, radius);
+  std::vector<const ConvexPiece*> pieces;
+  if (around_bodies) pieces = StandingPieces(around);
+  Result<Way> way = FindWay(*grid_, X_WR.translation(), *goal_, pieces);
+  if (!way.ok()) return way.error();
+  points_ = std::move(way.value().points);
+  reaches_ = way.value().reaches;
+  return {};
+}
+
+void GoalWay::Search(const Observation& now, const Surroundings& around) {
+  is_due_ = false;
+  is_aside_ = false;
+  aside_until_.reset();
+  searched_at_ = now.time;
+  points_.clear();
+  next_ = 0;
+  wait_.reset();
+  ++searches_;
+  const Body& body = around.scene.body(around.scene.body_of(own_));
+  const double narrow = HalfWidth(body);
+  for (const double radius : {body.radius + kMargin, body.radius, narrow}) {
+    if (!SearchOn(around, radius, true).ok()) continue;
+    failed_searches_ = 0;
+    return;
+  }
+  // Around static bodies alone: if that fails, too, there is nothing to wait for.
+  if (const Status status = SearchOn(around, narrow, false); !status.ok()) failure_ = status.error().message;
+  points_.clear();
+  CountBlock(now, around.PoseOf(own_).translation());
+  ++failed_searches_;
+  if (!failure_) is_aside_ = StepAside(around);
+}
+
+bool GoalWay::StepAside(const Surroundings& around) {
+  const std::optional<RobotId> other = blockers_.empty() ? std::nullopt : around.scene.robot_of(blockers_.back());
+  if (!other || failed_searches_ < (*other < own_ ? kSearchesOfLargerId : kSearchesOfSmallerId)) return false;
+  const Scene& scene = around.scene;
+  const auto of_other = GridOf(scene, own_, grid_z_, scene.body(scene.body_of(*other)).radius);
+  const RoomFor room{.own_radius = scene.body(scene.body_of(own_)).radius,
+                     .other = around.PoseOf(*other).translation(),
+                     .of_other = *of_other};
+  Result<Way> way = FindRoom(*grid_, around.PoseOf(own_).translation(), room, StandingPieces(around));
+  if (!way.ok()) return false;
+  points_ = std::move(way.value().points);
+  failed_searches_ = 0;
+  return true;
+}
+
+// An equal grid of another scene changes nothing: when an agent makes its scene anew is no part of the run.
+void GoalWay::FollowGrid(const Surroundings& around) {
+  if (std::fabs(around.PoseOf(own_).z - grid_z_) > kHeightChange) is_due_ = true;
+  auto grid = GridOf(around.scene, own_, grid_z_, grid_radius_);
+  if (grid == grid_) return;
+  grid_ = std::move(grid);
+  for (std::size_t i = next_; i + 2 < points_.size(); ++i) {
+    if (!grid_->IsClear(points_[i], points_[i + 1])) is_due_ = true;
+  }
+}
+
+// A car cannot turn on the spot, and so passes points farther away.
+double GoalWay::PassedDistance() const {
+  return drive_.type == DriveType::kCar ? kPassedByCar : kPassed;
+}
+
+void GoalWay::Advance(const Vec2& here) {
+  // Never earlier: a straight line to a later point may lead through a body that the way goes around.
+  while (next_ + 1 < points_.size() && (points_[next_] - here).norm() < PassedDistance()) ++next_;
+}
+
+// Counts from the place at which it began to be blocked.
+void GoalWay::CountBlock(const Observation& now, const Vec2& here) {
+  if (blocked_since_ && (here - blocked_at_).norm() < kMovedOn) return;
+  blocked_since_ = now.time;
+  blocked_at_ = here;
+}
+
+void GoalWay::OnBlocked(const Observation& now, const Surroundings& around, ModelId model) {
+  std::erase(blockers_, model);
+  blockers_.push_back(model);
+  if (!wait_) {
+    const bool is_object = around.scene.object_of(model).has_value();
+    const double least = Moves(around, *around.scene.body_of(model)) ? 2.0 * kBodyPatience : kBodyPatience;
+    wait_ = Wait{now.time, now.time + (is_object ? kObjectPatience : least * (1.0 + now.Random(8)))};
+    CountBlock(now, around.PoseOf(own_).translation());
+  }
+  if (now.time >= wait_->until) is_due_ = true;
+}
+
+// Slow where the way turns behind the next point, so that the robot stays on it.
+double GoalWay::CornerSpeed(const Vec2& here) const {
+  const Vec2 way = points_[next_] - here;
+  if (next_ + 1 == points_.size()) return std::numeric_limits<double>::infinity();
+  const Vec2 after = points_[next_ + 1] - points_[next_];
+  const double turn = std::fabs(WrapAngle(Atan2(after.y(), after.x()) - Atan2(way.y(), way.x())));
+  if (turn < kSharp) return std::numeric_limits<double>::infinity();
+  const double braking = BrakingSpeed(drive_, way.norm());
+  return std::sqrt(braking * braking + kCornerSpeed * kCornerSpeed);
+}
+
+GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) {
+  const Pose& X_WR = around.PoseOf(own_);
+  const Vec2 here = X_WR.translation();
+  Advance(here);
+  Leg leg{points_[next_], CornerSpeed(here)};
+  const Vec2 way = leg.point - here;
+  const double length = way.norm();
+  if (length < kPassed && is_aside_) {
+    if (!aside_until_) aside_until_ = now.time + kAside * (1.0 + now.Random(9));
+    is_due_ = now.time >= *aside_until_;
+    return {here, 0.0};
+  }
+  if (length < kPassed && !reaches_) {  // something stands at the goal
+    CountBlock(now, here);
+    is_due_ = now.time - searched_at_ >= kRetry;
+    return {here, 0.0};
+  }
+  const double bearing = WrapAngle(Atan2(way.y(), way.x()) - X_WR.heading);
+  if (length == 0.0 || (std::fabs(bearing) > kFacing && drive_.type != DriveType::kCar)) return leg;
+  const double speed = std::hypot(now.twist.vx, now.twist.vy);
+  const double look = kLook + kGap + speed * speed / std::max(-drive_.acceleration.x.min, 1e-3);
+  const auto contact = FindContactAhead(around, own_, X_WR, way / length, std::min(length + kGap, look));
+  if (!contact || !around.scene.body_of(contact->model)) {
+    wait_.reset();
+    return leg;
+  }
+  // A body that moves may come as far as the robot goes.
+  const bool may_come = Moves(around, *around.scene.body_of(contact->model));
+  const double room = std::max((may_come ? 0.5 : 1.0) * contact->room - kGap, 0.0);
+  leg.most = std::min(leg.most, BrakingSpeed(drive_, room));
+  if (room >= kStanding) return leg;
+  OnBlocked(now, around, contact->model);
+  return {here, 0.0};
+}
+
+Result<GoalWay::Leg> GoalWay::Update(const Observation& now, const Surroundings& around, const Vec2& goal) {
+  if (!goal_ || (goal - *goal_).norm() > kSameGoal) Begin(goal);
+  if (failure_) return Failure(*failure_);
+  if (grid_) FollowGrid(around);
+  if (points_.empty() && now.time - searched_at_ >= kRetry) is_due_ = true;
+  if (is_due_) Search(now, around);
+  if (failure_) return Failure(*failure_);
+  const Vec2 here = around.PoseOf(own_).translation();
+  if (blocked_since_ && (here - blocked_at_).norm() >= kMovedOn) blocked_since_.reset();
+  const Leg leg = points_.empty() ? Leg{here, 0.0} : Drive(now, around);
+  if ((blocked_since_ && now.time - *blocked_since_ >= kGiveUp) || searches_ > kMaxSearches) {
+    failure_ = blockers_.empty() ? "something is in the way"
+                                 : fmt::format("{} is in the way", NameOfBody(around.scene, blockers_.back()));
+    return Failure(*failure_);
+  }
+  return leg;
+}
+
+}  // namespace troupe

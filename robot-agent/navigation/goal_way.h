@@ -1,0 +1,105 @@
+// GoalWay: the way of a robot to a point, around the static bodies of the world as a map that it knows, and around
+// robots, people and objects that stand in it.
+//
+// A way is searched when a goal arrives, on cells that leave room for the robot at any heading and a margin; where there
+// is none, without the margin, and then on cells for a robot that drives straight (half its width). The robot looks along its way with its own body, by the exact
+// sweep of the step. Before a body it stands: for half a second before an object, for one to four seconds before a robot
+// or a person, which may move on. Then it searches again, around all that stands there. Two robots face to face wait for
+// different times (Observation::Random), so that one of them moves first. Where they cannot pass each other, the one with
+// the larger id goes to the nearest place with room for both, the other one if that does not help.
+//
+// It gives up for a reason: no way leads to the goal, or a body has been in the way for half a minute.
+//
+// A value: a copy continues as the original would. Whether a way is searched again depends on the state and the
+// observation alone, never on when a scene was made.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robot-agent/navigation/lane_obstacles.h"
+#include "troupe/controller.h"
+#include "troupe/result.h"
+#include "troupe/vec2.h"
+
+namespace troupe {
+
+class Scene;
+class WalkGrid;
+struct ConvexPiece;
+
+// Checks that a robot at X_WR finds ways to the points (m, W) around the static bodies of its world. The error names
+// the first point to which none leads.
+Status CheckWays(const Scene& scene, RobotId robot, const Pose& X_WR, std::span<const Vec2> points);
+
+class GoalWay {
+ public:
+  GoalWay(RobotId own, const DriveDescription& drive) : own_(own), drive_(drive) {}
+
+  // The motion of one tick.
+  struct Leg {
+    Vec2 point{0.0, 0.0};                                     // m, W: straight ahead of it nothing static stands
+    double most = std::numeric_limits<double>::infinity();  // m/s: it can stand before what is in the way
+  };
+  // Call it in each tick. `goal`: m, W. The error is why the goal is given up: the same until there is another one.
+  Result<Leg> Update(const Observation& now, const Surroundings& around, const Vec2& goal);
+
+  // The next Update searches again: the robot has left its way.
+  void Restart() { is_due_ = true; }
+  // Forgets the goal.
+  void Reset();
+
+ private:
+  struct Wait {
+    double since = 0.0;  // s, simulated
+    double until = 0.0;
+  };
+
+  void Begin(const Vec2& goal);
+  void Search(const Observation& now, const Surroundings& around);
+  Status SearchOn(const Surroundings& around, double radius, bool around_bodies);
+  // The pieces to go around: of bodies that stand near, and of those that were in the way.
+  std::vector<const ConvexPiece*> StandingPieces(const Surroundings& around) const;
+  // Makes room for the robot that was in the way last. False: it has no way to such a place, or that is not its turn.
+  bool StepAside(const Surroundings& around);
+  // m/s, in W; of an object zero.
+  static Vec2 VelocityOf(const Surroundings& around, BodyId body);
+  static bool Moves(const Surroundings& around, BodyId body);
+  bool MovesAway(const Surroundings& around, BodyId body) const;
+  // The way is not clear any more where an edit has changed the world.
+  void FollowGrid(const Surroundings& around);
+  void Advance(const Vec2& here);
+  Leg Drive(const Observation& now, const Surroundings& around);
+  void OnBlocked(const Observation& now, const Surroundings& around, ModelId model);
+  void CountBlock(const Observation& now, const Vec2& here);
+  double CornerSpeed(const Vec2& here) const;
+  double PassedDistance() const;
+
+  RobotId own_;
+  DriveDescription drive_;
+  std::optional<Vec2> goal_;           // m, W
+  std::optional<std::string> failure_;  // why it was given up
+  std::shared_ptr<const WalkGrid> grid_;
+  double grid_z_ = 0.0;       // m, of the robot when its way was searched
+  double grid_radius_ = 0.0;  // m
+  std::vector<Vec2> points_;  // m, W; empty: no way around the bodies that stand there
+  std::size_t next_ = 0;      // in points_
+  bool reaches_ = false;      // the way does, unless a body stands at the goal
+  bool is_due_ = false;       // a search
+  double searched_at_ = 0.0;  // s, simulated
+  int searches_ = 0;          // for this goal
+  int failed_searches_ = 0;   // since the last one that found a way
+  bool is_aside_ = false;     // the points lead to a place beside the way
+  std::optional<double> aside_until_;  // s, simulated: it is there
+  std::vector<ModelId> blockers_;  // that were in the way to this goal, the last one at the end
+  std::optional<Wait> wait_;
+  std::optional<double> blocked_since_;  // s, simulated: not moved on since
+  Vec2 blocked_at_{0.0, 0.0};            // m, W
+};
+
+}  // namespace troupe
