@@ -17,6 +17,7 @@
 #include "common/base/json_reader.h"
 #include "common/geometry/limits.h"
 #include "common/model/goal_text.h"
+#include "common/spatial/robot_ways.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/goal_way.h"
 #include "robot-agent/navigation/lane_traffic.h"

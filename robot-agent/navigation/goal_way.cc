@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory_resource>
 
 #include "common/spatial/body_index.h"
+#include "common/spatial/robot_ways.h"
 #include "common/spatial/scene.h"
 #include "common/spatial/walk_grid.h"
-#include "common/spatial/walk_routes.h"
 #include "common/spatial/way_search.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/deterministic_math.h"
@@ -24,7 +25,6 @@ constexpr double kLook = 0.6;            // m, ahead of twice the way to brake
 constexpr double kGap = 0.1;             // m, to what is in the way
 constexpr double kStanding = 0.05;       // m: with less room it waits
 constexpr double kFacing = 0.5;          // rad: it looks along its way once it faces it
-constexpr double kMargin = 0.1;          // m, to both sides of a robot that turns, where there is room
 constexpr double kRetry = 2.0;           // s, between searches where a body leaves no way
 constexpr double kObjectPatience = 0.5;  // s
 constexpr double kBodyPatience = 1.0;        // s, before a robot or a person that stands; twice that before one that moves
@@ -40,15 +40,6 @@ constexpr double kCornerSpeed = 0.25;    // m/s
 constexpr double kSharp = 0.35;          // rad, of a corner
 constexpr double kAtRest = 1e-3;          // m/s and rad/s
 
-double HalfWidth(const Body& body) {
-  double width = 0.0;
-  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
-    if (!body.pieces[i].obstacle || body.piece_links[i] != 0) continue;
-    for (const Vec2& vertex : body.pieces[i].vertices) width = std::max(width, std::fabs(vertex.y()));
-  }
-  return width;
-}
-
 // Of the robot, object or person that the model belongs to.
 std::string NameOfBody(const Scene& scene, ModelId model) {
   const WorldDescription& world = scene.world();
@@ -58,17 +49,7 @@ std::string NameOfBody(const Scene& scene, ModelId model) {
   return world.model(model).name;
 }
 
-// Of the robot at height `z` m.
-std::shared_ptr<const WalkGrid> GridOf(const Scene& scene, RobotId robot, double z, double radius) {
-  return scene.walk_routes().RobotGrid(scene, scene.body(scene.body_of(robot)).z + z, radius);
-}
-
 }  // namespace
-
-Status CheckWays(const Scene& scene, RobotId robot, const Pose& X_WR, std::span<const Vec2> points) {
-  const auto grid = GridOf(scene, robot, X_WR.z, HalfWidth(scene.body(scene.body_of(robot))));
-  return CheckWays(*grid, X_WR.translation(), points);
-}
 
 void GoalWay::Reset() {
   *this = GoalWay(own_, drive_);
@@ -124,7 +105,7 @@ Status GoalWay::SearchOn(const Surroundings& around, double radius, bool around_
   const Pose& X_WR = around.PoseOf(own_);
   grid_radius_ = radius;
   grid_z_ = X_WR.z;
-  grid_ = GridOf(around.scene, own_, grid_z_, radius);
+  grid_ = GridOfRobot(around.scene, own_, grid_z_, radius);
   std::vector<const ConvexPiece*> pieces;
   if (around_bodies) pieces = StandingPieces(around);
   Result<Way> way = FindWay(*grid_, X_WR.translation(), *goal_, pieces);
@@ -143,15 +124,14 @@ void GoalWay::Search(const Observation& now, const Surroundings& around) {
   next_ = 0;
   wait_.reset();
   ++searches_;
-  const Body& body = around.scene.body(around.scene.body_of(own_));
-  const double narrow = HalfWidth(body);
-  for (const double radius : {body.radius + kMargin, body.radius, narrow}) {
+  const std::array radii = RadiiOfWays(around.scene, own_);
+  for (const double radius : radii) {
     if (!SearchOn(around, radius, true).ok()) continue;
     failed_searches_ = 0;
     return;
   }
   // Around static bodies alone: if that fails, too, there is nothing to wait for.
-  if (const Status status = SearchOn(around, narrow, false); !status.ok()) failure_ = status.error().message;
+  if (const Status status = SearchOn(around, radii.back(), false); !status.ok()) failure_ = status.error().message;
   points_.clear();
   CountBlock(now, around.PoseOf(own_).translation());
   ++failed_searches_;
@@ -162,7 +142,7 @@ bool GoalWay::StepAside(const Surroundings& around) {
   const std::optional<RobotId> other = blockers_.empty() ? std::nullopt : around.scene.robot_of(blockers_.back());
   if (!other || failed_searches_ < (*other < own_ ? kSearchesOfLargerId : kSearchesOfSmallerId)) return false;
   const Scene& scene = around.scene;
-  const auto of_other = GridOf(scene, own_, grid_z_, scene.body(scene.body_of(*other)).radius);
+  const auto of_other = GridOfRobot(scene, own_, grid_z_, scene.body(scene.body_of(*other)).radius);
   const RoomFor room{.own_radius = scene.body(scene.body_of(own_)).radius,
                      .other = around.PoseOf(*other).translation(),
                      .of_other = *of_other};
@@ -176,7 +156,7 @@ bool GoalWay::StepAside(const Surroundings& around) {
 // An equal grid of another scene changes nothing: when an agent makes its scene anew is no part of the run.
 void GoalWay::FollowGrid(const Surroundings& around) {
   if (std::fabs(around.PoseOf(own_).z - grid_z_) > kHeightChange) is_due_ = true;
-  auto grid = GridOf(around.scene, own_, grid_z_, grid_radius_);
+  auto grid = GridOfRobot(around.scene, own_, grid_z_, grid_radius_);
   if (grid == grid_) return;
   grid_ = std::move(grid);
   for (std::size_t i = next_; i + 2 < points_.size(); ++i) {

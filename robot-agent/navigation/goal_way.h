@@ -1,8 +1,7 @@
 // GoalWay: the way of a robot to a point, around the static bodies of the world as a map that it knows, and around
 // robots, people and objects that stand in it.
 //
-// A way is searched when a goal arrives, on cells that leave room for the robot at any heading and a margin; where there
-// is none, without the margin, and then on cells for a robot that drives straight (half its width). The robot looks along its way with its own body, by the exact
+// A way is searched when a goal arrives (common/spatial/robot_ways.h). The robot looks along its way with its own body, by the exact
 // sweep of the step. Before a body it stands: for half a second before an object, for one to four seconds before a robot
 // or a person, which may move on. Then it searches again, around all that stands there. Two robots face to face wait for
 // different times (Observation::Random), so that one of them moves first. Where they cannot pass each other, the one with
@@ -18,7 +17,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -29,13 +27,8 @@
 
 namespace troupe {
 
-class Scene;
 class WalkGrid;
 struct ConvexPiece;
-
-// Checks that a robot at X_WR finds ways to the points (m, W) around the static bodies of its world. The error names
-// the first point to which none leads.
-Status CheckWays(const Scene& scene, RobotId robot, const Pose& X_WR, std::span<const Vec2> points);
 
 class GoalWay {
  public:

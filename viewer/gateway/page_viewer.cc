@@ -1,8 +1,12 @@
 #include "viewer/gateway/page_viewer.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <variant>
+
+#include "common/spatial/robot_ways.h"
+#include "common/spatial/scene.h"
 
 namespace troupe {
 namespace {
@@ -136,6 +140,7 @@ std::string PageViewer::MakeUpdate() {
   for (const std::uint64_t position : {state.position, first, last}) writer.Write(position);
   WriteRows(writer);
   WriteEvents(writer);
+  WriteGoals(writer);
   readings_missing_ = !has_readings;
   if (has_readings) WriteReadings(writer);
   if (!in_past_) update_ = run_.update;
@@ -163,6 +168,49 @@ void PageViewer::WriteEvents(PageWriter& writer) {
     ++count;
   }
   writer.FillCount(place, count);
+}
+
+// The newest ones: the past has none.
+void PageViewer::WriteGoals(PageWriter& writer) {
+  const std::vector<RobotCommand> none;
+  const std::vector<RobotCommand>& goals = in_past_ ? none : run_.content.goals;
+  const std::size_t place = writer.ReserveCount();
+  std::size_t count = 0;
+  for (const RobotCommand& goal : goals) {
+    const WorldDescription& world = shown()->world->description();
+    // A goal of the newest frame, perhaps of a later world.
+    if (goal.robot.index() >= world.robots.size()) continue;
+    ++count;
+    writer.WriteCount(goal.robot.index());
+    const std::string& name = world.robot(goal.robot).name;
+    const bool is_selected = std::find(selected_.robots.begin(), selected_.robots.end(), name) != selected_.robots.end();
+    const std::vector<Vec2> no_way;
+    for (const std::vector<Vec2>* points :
+         {&goal.goal->waypoints, is_selected ? &readings_.ways.Of(*shown(), goal) : &no_way}) {
+      writer.WriteCount(points->size());
+      for (const Vec2& point : *points) {
+        writer.WriteFloat(point.x());
+        writer.WriteFloat(point.y());
+      }
+    }
+  }
+  writer.FillCount(place, count);
+}
+
+const std::vector<Vec2>& ShownWays::Of(const TimelineState& state, const RobotCommand& goal) {
+  constexpr std::chrono::seconds kPeriod{1};
+  if (scene_ != state.world->scene) ways_.clear();
+  scene_ = state.world->scene;
+  const auto now = std::chrono::steady_clock::now();
+  const auto [way, is_new] = ways_.try_emplace(goal.robot);
+  Known& known = way->second;
+  if (!is_new && known.goal == goal.goal->number && now < known.at + kPeriod) return known.points;
+  known = {goal.goal->number, now, {}};
+  if (!SearchesWays(scene_->world().robot(goal.robot))) return known.points;
+  const Pose& X_WR = state.state->robots[goal.robot.index()].X_WR;
+  // Points that are reached are not known here: the way to the last one.
+  known.points = FindWays(*scene_, goal.robot, X_WR, std::span(&goal.goal->waypoints.back(), 1));
+  return known.points;
 }
 
 // By name, so that a selection outlives an edit of the world.

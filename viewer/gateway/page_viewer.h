@@ -56,6 +56,23 @@ class RobotReadings {
   std::map<RobotId, Robot> robots_;  // made on first use
 };
 
+// ShownWays: the ways to goals of robots that viewers have selected, searched in the gateway as the robots search theirs
+// (common/spatial/robot_ways.h), but around static bodies alone. Shared by all viewers, and renewed once in a second.
+class ShownWays {
+ public:
+  // The points (m, W) from the robot to its goal; empty for a controller whose ways are not known.
+  const std::vector<Vec2>& Of(const TimelineState& state, const RobotCommand& goal);
+
+ private:
+  struct Known {
+    std::uint32_t goal = 0;
+    std::chrono::steady_clock::time_point at;
+    std::vector<Vec2> points;
+  };
+  std::shared_ptr<const Scene> scene_;
+  std::map<RobotId, Known> ways_;
+};
+
 // The measurement of readings that the pages share, and its share of the time: for all robots of a large world
 // measuring takes longer than a period, so it is repeated only after four times its duration.
 struct PageReadings {
@@ -63,6 +80,7 @@ struct PageReadings {
 
   RobotReadings live;
   RobotReadings past;
+  ShownWays ways;
   bool measures_all = true;  // in this period: all robots are measured less often if that takes long
   Clock::time_point next_all;
 
@@ -92,6 +110,7 @@ class PageViewer final : public Viewer {
   std::string MakeUpdate();
   void WriteRows(PageWriter& writer) const;
   void WriteEvents(PageWriter& writer);
+  void WriteGoals(PageWriter& writer);
   void WriteReadings(PageWriter& writer);
   std::vector<RobotId> SelectedRobots() const;
 

@@ -69,6 +69,12 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   ++content_.version;
   content_.paused = frame.paused && !frame.holds;
   content_.last = frame.last;
+  // A paused frame has no commands; those from before the pause are in force after it.
+  if (!frame.paused) {
+    content_.goals.clear();
+    std::copy_if(frame.commands.begin(), frame.commands.end(), std::back_inserter(content_.goals),
+                 [](const RobotCommand& command) { return command.goal && !command.goal->waypoints.empty(); });
+  }
   if (before != nullptr && at == std::pair(before->edition, before->state->tick)) return;
   std::optional<std::uint64_t> listed_to;  // of states whose events are in the list, from the recording
   if (before == nullptr) listed_to = BeginRun(frame);
@@ -87,6 +93,7 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
 
 std::optional<std::uint64_t> RunFeed::BeginRun(const FrameMessage& frame) {
   content_.events.clear();
+  content_.goals.clear();
   ++content_.event_list;
   content_.status.reset();
   kept_.Clear();

@@ -36,6 +36,7 @@ struct FeedHead {
   SharedState state;          // null: no run was found yet, or it has ended
   bool paused = false;
   bool last = false;  // the run has ended in order
+  std::vector<RobotCommand> goals = {};  // in force, with their robots
   std::optional<StatusMessage> status;
   // Counts the lists of events: that of another run, or one that was completed by the journal.
   std::uint64_t event_list = 0;

@@ -5,7 +5,7 @@
 import {color} from './colors';
 import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';
-import {JointType, OBJECT_MODES, scansOf, type Light, type Pose, type Reading} from './protocol';
+import {JointType, OBJECT_MODES, scansOf, type Light, type Pose, type Reading, type RobotGoal} from './protocol';
 import {robotState} from './robot_list';
 import {compose, degrees, isInTree, nameOf, poseOf, type Entity, type Run} from './run';
 import {bearing, flattestPlane, raysOf} from './sensor_marks';
@@ -59,6 +59,8 @@ export class EntityPanel {
       ['turning', `${fixed(degrees(row.twist.wz), 1)} °/s`],
       ['controller', description.controller.name],
     ];
+    const goal = run.goals.find(each => each.robot === robot);
+    if (goal) facts.push(['goal', goalText(goal, pose)]);
     if (agent) facts.push(['agent', agentText(agent)]);
     if (held.length > 0) {
       facts.push(['holds', held.map(i => nameOf(run.world, {kind: 'object', index: i})).join(', ')]);
@@ -202,6 +204,19 @@ export class Agents {
 // The stores of energy and the lights of the selected robot, in its panel.
 
 // Without the robot's name; `own`: of the robot's root itself.
+// The last point, and how far it is.
+function goalText(goal: RobotGoal, pose: Pose): string {
+  let length = 0;
+  let [x, y] = [pose.x, pose.y];
+  const way = goal.way.length > 0 ? goal.way : goal.waypoints.slice(-2);
+  for (let i = 0; i + 1 < way.length; i += 2) {
+    length += Math.hypot(way[i] - x, way[i + 1] - y);
+    [x, y] = [way[i], way[i + 1]];
+  }
+  const [endX, endY] = goal.waypoints.slice(-2);
+  return `${fixed(endX, 2)}, ${fixed(endY, 2)} m (${fixed(length, 1)} m)`;
+}
+
 function partName(run: Run, robot: number, model: number, own: string): string {
   const {name, root} = run.world.robots[robot];
   return model === root ? own : run.world.models[model].name.replace(`${name}.`, '');

@@ -84,6 +84,13 @@ export interface World extends Omit<WorldDescription, 'interval' | 'robots'> {
 
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held', 'mounted'];
 
+// A goal of a user that is in force: x, y, x, y ...
+export interface RobotGoal {
+  robot: number;
+  waypoints: Float32Array;
+  way: Float32Array;  // to the last one, of a robot that is selected and searches its ways; else empty
+}
+
 export interface RunEvent {
   position: number;  // of its state on the timeline
   tick: number;
@@ -206,6 +213,7 @@ export interface Update extends StateRows {
   lastPosition: number;
   events: RunEvent[];
   allEvents: boolean;  // the events replace all earlier ones
+  goals: RobotGoal[];
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 
@@ -370,6 +378,7 @@ function readUpdate(r: Reader): Update {
       position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.text(), other: r.text(), object: r.text(),
       detail: r.text(),
     })),
+    goals: r.list((): RobotGoal => ({robot: r.u32(), waypoints: r.floats(2 * r.u32()), way: r.floats(2 * r.u32())})),
     readings: (flags & 8) !== 0 ? r.list(() => readRobotReadings(r)) : null,
   };
 }

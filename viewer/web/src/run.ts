@@ -6,7 +6,7 @@
 import {EventType, StateTables} from '../generated/rows';
 import type {Matrix4} from 'three';
 import {
-  JointType, type Joint, type Light, type Pose, type Reading, type RobotReadings, type RunEvent, type RunStatus, type TimeSpan, type Update,
+  JointType, type Joint, type Light, type Pose, type Reading, type RobotGoal, type RobotReadings, type RunEvent, type RunStatus, type TimeSpan, type Update,
   type World,
 } from './protocol';
 
@@ -16,6 +16,7 @@ export class Run extends StateTables {
   events: RunEvent[] = [];
   status: RunStatus | null = null;
   readings = new Map<number, RobotReadings>();  // by robot
+  goals: RobotGoal[] = [];  // in force
   tick = 0;
   hash = '';
   edition = 0;
@@ -54,6 +55,7 @@ export class Run extends StateTables {
     }
     if (this.events.length > MOST_EVENTS) this.events.splice(0, this.events.length - MOST_EVENTS);
     if (update.readings) this.readings = new Map(update.readings.map(readings => [readings.robot, this.withKept(readings)]));
+    this.goals = update.goals;
     this.tick = update.tick;
     this.hash = update.hash;
     this.edition = update.edition;

@@ -10,6 +10,7 @@ import {
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Bodies, Labels} from './bodies';
+import {GoalMarks} from './goals';
 import {makeGraphics, Quality} from './graphics';
 import {Levels, planesOf} from './levels';
 import {Motion, Trails} from './motion';
@@ -59,6 +60,7 @@ export class WorldScene {
   private readonly surfaces: Surfaces;
   private readonly rays = new Rays();
   private readonly marks = new SensorMarks();
+  private readonly goals = new GoalMarks();
   private readonly ring = new Mesh(
     new RingGeometry(1.12, 1.26, 48), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
   private readonly ghost = new Mesh(
@@ -95,7 +97,7 @@ export class WorldScene {
     for (const light of this.surfaces.lights()) light.layers.enableAll();
     for (const camera of [this.perspective, this.orthographic]) camera.layers.enableAll();
     this.scene.add(
-      ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.ring, this.ghost);
+      ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.ring, this.ghost);
     this.ring.visible = false;
     this.ghost.visible = false;
     this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
@@ -207,6 +209,7 @@ export class WorldScene {
     this.selected = selected;
     this.motion.update(run, performance.now());
     this.trails.show(run);
+    this.goals.show(run);
     this.place();
   }
 
