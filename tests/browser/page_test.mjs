@@ -181,6 +181,20 @@ async function doesTenTasksByKeys() {
   assert.match(await page.textContent('#drive'), /Release/);
   await press('Escape');
   await until('it is released', async () => !(await isOn(page, 'drive')));
+  // A robot whose controller accepts goals searches its way, which is shown: from the corridor into a room.
+  await page.evaluate(() => window.troupe.select('bela'));
+  await selected(page, 'bela');
+  const sent = await page.evaluate(() => window.troupe.request(
+    'command_robot', {name: 'bela', ticks: 100000, goal: {waypoints: [[-8, -7.2]]}}));
+  assert.ok(sent.done, sent.problem);
+  await until('the way is shown', async () => (await page.evaluate(() => window.troupe.goals()))
+    .some(({robot, way}) => robot === 'bela' && way > 3));
+  await until('the goal is shown', async () => /goal-8\.00, -7\.20 m/.test(await page.textContent('#panel-facts')));
+  const into = await page.evaluate(() => window.troupe.request(
+    'command_robot', {name: 'bela', ticks: 100000, goal: {waypoints: [[-2, -5.6]]}}));
+  assert.match(into.problem, /cannot reach the goal: there is no room for it at \(-2\.00, -5\.60\)/);
+  await page.evaluate(name => window.troupe.select(name), added);
+  await selected(page, added);
   // 9. Drive it.
   await press('c');
   await keys.down('ArrowLeft');

@@ -70,8 +70,8 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   content_.paused = frame.paused && !frame.holds;
   content_.last = frame.last;
   // A paused frame has no commands; those from before the pause are in force after it.
+  if (before == nullptr || !frame.paused) content_.goals.clear();
   if (!frame.paused) {
-    content_.goals.clear();
     std::copy_if(frame.commands.begin(), frame.commands.end(), std::back_inserter(content_.goals),
                  [](const RobotCommand& command) { return command.goal && !command.goal->waypoints.empty(); });
   }
@@ -93,7 +93,6 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
 
 std::optional<std::uint64_t> RunFeed::BeginRun(const FrameMessage& frame) {
   content_.events.clear();
-  content_.goals.clear();
   ++content_.event_list;
   content_.status.reset();
   kept_.Clear();

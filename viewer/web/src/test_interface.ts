@@ -26,6 +26,8 @@ export interface TestInterface {
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
   // The tick of the measurement and the decoded content as JSON, by sensor of the robot; bytes in hexadecimal digits.
   contents(robot: string): Record<string, {tick: number; content: unknown}> | null;
+  // The goals in force: the robot, the last point, and the number of points of its way.
+  goals(): Array<{robot: string; to: number[]; way: number}>;
   // The names by index.
   names(): {models: string[]; robots: string[]};
   // Whether each light is lit, by the name of its model.
@@ -106,6 +108,9 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       return Object.fromEntries(
         readings.map(({sensor, tick, content}) => [sensor, {tick, content: JSON.parse(JSON.stringify(content, plain))}]));
     },
+    goals: () => (host.run()?.goals ?? []).map(goal => ({
+      robot: host.run()!.world.robots[goal.robot].name, to: [...goal.waypoints.slice(-2)], way: goal.way.length / 2,
+    })),
     names: () => {
       const world = host.run()?.world;
       return {models: world?.models.map(({name}) => name) ?? [], robots: world?.robots.map(({name}) => name) ?? []};

@@ -141,6 +141,17 @@ struct ParsedUpdate {
     EXPECT_EQ(reader.ReadCount(), 0u);  // lifts
     EXPECT_EQ(reader.ReadCount(), 0u);  // people
     EXPECT_EQ(reader.ReadCount(), 0u);  // events
+    goals.resize(reader.ReadCount());
+    for (ParsedGoal& goal : goals) {
+      goal.robot = reader.ReadCount();
+      for (std::vector<Vec2>* points : {&goal.waypoints, &goal.way}) {
+        points->resize(reader.ReadCount());
+        for (Vec2& point : *points) {
+          const double x = reader.ReadFloat();
+          point = {x, reader.ReadFloat()};
+        }
+      }
+    }
     EXPECT_EQ(flags & 4, 0);
     if ((flags & 8) == 0) return;
     const std::uint32_t measured = reader.ReadCount();
@@ -178,6 +189,12 @@ struct ParsedUpdate {
 
   bool is_past() const { return (flags & 16) != 0; }
 
+  struct ParsedGoal {
+    std::uint32_t robot = 0;
+    std::vector<Vec2> waypoints = {};
+    std::vector<Vec2> way = {};
+  };
+
   std::uint32_t world = 0;
   std::uint8_t flags = 0;
   Tick tick = 0;
@@ -187,6 +204,7 @@ struct ParsedUpdate {
   std::uint64_t last = 0;
   std::vector<std::uint32_t> rows;
   std::vector<RobotState> robots;
+  std::vector<ParsedGoal> goals;
   std::vector<std::uint32_t> readings;  // robots
   Tick reading_tick = 0;
   std::vector<std::vector<double>> scans;

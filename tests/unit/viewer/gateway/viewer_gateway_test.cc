@@ -43,6 +43,38 @@ TEST_F(ViewerGatewayTest, SendsTheWorldThenItsStateThenDifferences) {
   EXPECT_THAT(ParsedUpdate(ReadBinary(*late)).rows, testing::ElementsAre(0, 1));
 }
 
+// Of a selected robot with the way around the box; not of one whose controller goes its own ways.
+TEST_F(ViewerGatewayTest, GoalsInForceAreShownWithTheWaysOfSelectedRobots) {
+  SessionMessage world = LaserWorld();
+  world.world.Change().robots[0].controller.name = "go_to";
+  StartRun(world);
+  client_->SendText(R"({"type": "select", "robots": ["r0", "r1"]})");
+  FrameMessage frame = *FrameAt(world_, 1);
+  const Goal goal{.number = 1, .waypoints = {{1.0, 0.3}, {5.0, 0.3}}};
+  frame.commands = {{.robot = RobotId(0), .goal = goal}, {.robot = RobotId(1), .goal = goal}};
+  run_->OnFrame(std::make_shared<const FrameMessage>(frame));
+  EXPECT_EQ(ReadBinary(*client_)[0], 1);
+  ParsedUpdate update(ReadBinary(*client_));
+  // The selection may be received behind the first update.
+  if (update.goals.empty() || update.goals[0].way.empty()) update = ParsedUpdate(ReadBinary(*client_));
+  ASSERT_EQ(update.goals.size(), 2u);
+  EXPECT_EQ(update.goals[0].waypoints.size(), 2u);
+  EXPECT_GT(update.goals[0].way.size(), 1u) << "not straight through the box";
+  EXPECT_LT((update.goals[0].way.back() - Vec2(5.0, 0.3)).norm(), 1e-6);
+  EXPECT_EQ(update.goals[1].robot, 1u);
+  EXPECT_TRUE(update.goals[1].way.empty());
+  // A paused frame has no commands, and changes nothing; a goal that was cancelled is gone.
+  frame.paused = true;
+  frame.commands.clear();
+  run_->OnFrame(std::make_shared<const FrameMessage>(frame));
+  EXPECT_EQ(ParsedUpdate(ReadBinary(*client_)).goals.size(), 2u);
+  frame.paused = false;
+  frame.state.tick = 2;
+  frame.commands = {{.robot = RobotId(1), .goal = Goal{}}};
+  run_->OnFrame(std::make_shared<const FrameMessage>(frame));
+  EXPECT_TRUE(ParsedUpdate(ReadBinary(*client_)).goals.empty());
+}
+
 TEST_F(ViewerGatewayTest, TheStatusOfTheRunFollowsItsWorld) {
   StartRun();
   OnFrame(1);
