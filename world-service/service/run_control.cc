@@ -71,9 +71,15 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
 Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
   if (!speed && run_.realtime()) return BadInput("mode realtime needs a speed");
   engine_.SetSpeed(speed, now);
-  // A service that continues the run keeps its speed.
-  if (run_.phase == RunPhase::kRunning) engine_.ReportProgress(now);
+  Remember(now);
   return {};
+}
+
+// So that what a tool was told outlives the service, also one that is still gathering the agents of a run that it
+// continues. A branch has nothing to continue before its first state is recorded.
+void RunControl::Remember(double now) {
+  const bool gathers = run_.phase == RunPhase::kGathering && run_.takes_over();
+  if (run_.phase == RunPhase::kRunning || gathers) engine_.ReportProgress(now);
 }
 
 Status RunControl::CommandRobot(const control::CommandRobot& request, double now) {
@@ -153,6 +159,7 @@ void RunControl::Play(const OpenRequest& play, double now) {
     engine_.SetTicksToPause(std::nullopt);
     if (run_.frame.paused && run_.phase == RunPhase::kRunning) engine_.Resume(now);
   }
+  Remember(now);
   Accept(play);
 }
 

@@ -72,6 +72,7 @@ class RunControl {
   bool playing() const { return !engine_.ticks_to_pause() || engine_.play_after_edits(); }
   void Pause(OpenRequest pause, double now);
   void Play(const OpenRequest& play, double now);
+  void Remember(double now);
   void Enqueue(OpenRequest open, double now);
   void EnqueueStep(OpenRequest step, double now);
   void EnqueueEdit(OpenRequest edit, double now);

@@ -212,8 +212,15 @@ bool TickEngine::IsLast(Tick tick) const {
 
 RunProgress TickEngine::Progress() const {
   RunProgress progress;
+  // A service that continues a run and has not all of its agents yet does not know which of them are absent: all that
+  // tools cannot change meanwhile is as the service before left it.
+  const bool gathers = run_.phase == RunPhase::kGathering && run_.continues();
+  if (gathers) progress = run_.options.resumed->progress;
   progress.incarnation = run_.options.incarnation;
-  if (!play_after_edits_) progress.ticks_to_pause = ticks_to_pause_;
+  progress.ticks_to_pause = play_after_edits_ ? std::nullopt : ticks_to_pause_;
+  progress.speed_is_set = speed_is_set_;
+  if (speed_is_set_) progress.speed = speed();
+  if (gathers) return progress;
   if (!run_.members.all_robots_present()) {
     progress.absent = run_.members.AbsentRobots();
     // Robots of an edit that are still expected are not absent: the service that continues asks for their agents again.
@@ -223,8 +230,6 @@ RunProgress TickEngine::Progress() const {
   progress.stalls = run_.events.stalls();
   progress.rejected = run_.events.rejected();
   progress.frozen = frozen_;
-  progress.speed_is_set = speed_is_set_;
-  if (speed_is_set_) progress.speed = speed();
   progress.commands = commands_.InForce();
   progress.inputs = inputs_;
   if (run_.continues()) progress.first_number = run_.options.resumed->progress.first_number;

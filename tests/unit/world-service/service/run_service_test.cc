@@ -330,6 +330,29 @@ TEST_F(ResumedRunTest, ExecutesCommandsOnceAllAgentsAreBack) {
   EXPECT_TRUE(replies[0].done) << replies[0].problem;
 }
 
+// What a tool was told holds, though the service dies before the agents are back.
+TEST_F(ResumedRunTest, PlaysAndKeepsItsSpeedAfterTwoDeaths) {
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  std::vector<ControlReply> replies;
+  const auto reply = [&replies](const ControlReply& one) { replies.push_back(one); };
+  coordinator->Control(control::Pause{}, reply, now);
+  Propose(1);
+  ASSERT_TRUE(endpoint.frames.back().paused);
+  Resume();
+  replies.clear();
+  coordinator->Control(control::Speed{.speed = 3.0}, reply, now);
+  coordinator->Control(control::Play{}, reply, now);
+  ASSERT_EQ(replies.size(), 2u);
+  EXPECT_TRUE(replies[1].done);
+  EXPECT_EQ(coordinator->phase(), Phase::kGathering);
+  Resume();
+  Rejoin(1, 2);
+  ASSERT_EQ(coordinator->phase(), Phase::kRunning) << "the other agent was lost before, and is not waited for";
+  EXPECT_FALSE(endpoint.frames.back().paused);
+  EXPECT_EQ(journal_.progress.speed, 3.0);
+}
+
 TEST_F(ResumedRunTest, IgnoresMessagesForTheServiceBefore) {
   MakeAndStart(1);
   Resume();
