@@ -17,8 +17,7 @@ constexpr std::uint8_t kNoStep = 0xfe;
 // m, of a cell.
 double SideOf(const Rectangle& bounds, double min_cell) {
   const double area = bounds.width() * bounds.height();
-  return std::max(std::clamp(std::sqrt(area / kManyCells), min_cell, kMaxWalkCell),
-                  std::sqrt(area / kMaxGridCells));
+  return std::max(std::clamp(std::sqrt(area / kManyCells), min_cell, kMaxWalkCell), std::sqrt(area / kMaxGridCells));
 }
 
 std::size_t CountOf(double length, double cell) {

@@ -2,9 +2,10 @@
 // shortest way from every cell to a goal.
 //
 // Cells have a side of 0.1 to 0.25 m, less for small robots, more in a very large world, and are free if the centre of
-// the body may be at their centre. Lengths are whole numbers, 10 for a straight step and 14 for a diagonal one, times the cost of the
-// cell: sums are exact, so that equal ways are equal and the first of them is chosen on every machine. Cells near walls
-// cost twice as much, and the leaves of open doors eight times: people keep away from both where there is room.
+// the body may be at their centre. Lengths are whole numbers, 10 for a straight step and 14 for a diagonal one, times
+// the cost of the cell: sums are exact, so that equal ways are equal and the first of them is chosen on every machine.
+// Cells near walls cost twice as much, and the leaves of open doors eight times: people keep away from both where there
+// is room.
 //
 // A field is made by one Dijkstra search from its goal (Dijkstra 1959), in time linear in the cells, and then serves
 // all people with that goal: a crowd of any size looks its next steps up. Searching a way for each person alone (A*)

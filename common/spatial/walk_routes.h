@@ -133,7 +133,7 @@ class WalkRoutes {
     double radius = 0.0;
     std::weak_ptr<const WalkGrid> grid;
   };
-  mutable std::mutex making_robot_grids_;         // guards the next
+  mutable std::mutex making_robot_grids_;  // guards the next
   mutable std::vector<RobotSize> robot_sizes_;
   std::vector<double> levels_;                             // m, ascending
   std::vector<std::vector<Vec2>> goals_;                   // points, by set

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint8_t kNoStepBack = 0xff;
-constexpr double kLeave = 0.3;  // m, around the start: a robot beside a body may leave it
+constexpr double kLeave = 0.3;             // m, around the start: a robot beside a body may leave it
 constexpr std::size_t kLongestLine = 400;  // cells
 constexpr double kRoomReach = 6.0;         // m, to all sides of a robot that wants to pass
 constexpr double kBetweenTries = 0.3;      // m, between places that are tried
@@ -59,8 +59,9 @@ class WaySearch {
     if (IsTaken(*end)) {
       target = grid_.Nearest(to, [&](std::size_t cell) { return grid_.IsFree(cell) && !IsTaken(cell); });
     }
-    if (!target || !Search(*start, [&](std::size_t cell) { return cell == *target; },
-                           [&](std::size_t cell) { return Estimate(cell, *target); })) {
+    if (!target || !Search(
+                       *start, [&](std::size_t cell) { return cell == *target; },
+                       [&](std::size_t cell) { return Estimate(cell, *target); })) {
       return Failure("no way leads there");
     }
     Way way{.reaches = target == end};
@@ -204,7 +205,8 @@ class OtherRobot {
   std::size_t CountUnseen(const Vec2& place, double distance, const std::vector<bool>& seen) const {
     std::size_t count = 0;
     for (int row = grid_.RowAt(place.y() - distance); row <= grid_.RowAt(place.y() + distance); ++row) {
-      for (int column = grid_.ColumnAt(place.x() - distance); column <= grid_.ColumnAt(place.x() + distance); ++column) {
+      for (int column = grid_.ColumnAt(place.x() - distance); column <= grid_.ColumnAt(place.x() + distance);
+           ++column) {
         const std::size_t cell = grid_.CellAt(column, row);
         count += grid_.IsFree(cell) && !seen[cell] && (grid_.CenterOf(cell) - place).norm() < distance;
       }

@@ -1,9 +1,10 @@
 // FindWay: the shortest way of a robot on a WalkGrid from where it is to a point, around bodies that stand there now.
 // FindRoom: the way to where another robot can pass it.
 //
-// A* (Hart, Nilsson and Raphael 1968) over the steps of the grid, with the length of free steps as the estimate. Lengths
-// are whole numbers, and of equally long entries the cell with the smaller number comes first, so that the way is the
-// same on every machine. The cells are then joined by straight lines of free cells, in place of the steps of the grid.
+// A* (Hart, Nilsson and Raphael 1968) over the steps of the grid, with the length of free steps as the estimate.
+// Lengths are whole numbers, and of equally long entries the cell with the smaller number comes first, so that the way
+// is the same on every machine. The cells are then joined by straight lines of free cells, in place of the steps of the
+// grid.
 //
 // A robot plans alone and again when something is in its way, so that a search is better for it than the WalkField of
 // a crowd: no memory stays, and the bodies that stand there now cost nothing to others.

@@ -158,7 +158,8 @@ int Goto(GotoOptions options) {
     command.goal = goal.value();
     const Result<ControlReply> reply = remote.value().Send(command, kMaxCommandTicks);
     if (!reply.ok()) return Fail(reply.error());
-    return options.no_wait ? kExitDone : AwaitArrival(options, goal.value(), reply.value().tick, remote.value(), signals);
+    return options.no_wait ? kExitDone
+                           : AwaitArrival(options, goal.value(), reply.value().tick, remote.value(), signals);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }

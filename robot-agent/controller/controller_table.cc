@@ -91,12 +91,9 @@ constexpr ParameterHelp kFollowParameters[] = {
     kSpeedHelp,
     kTurnRateHelp};
 constexpr ParameterHelp kGoToParameters[] = {
-    kWaypointsHelp,
-    {"heading", "number", "rad", "", -2.0 * kPi, 2.0 * kPi, "At the last waypoint"},
-    kSpeedHelp,
-    kTurnRateHelp,
-    kToleranceHelp,
-    kPlanHelp};
+    kWaypointsHelp, {"heading", "number", "rad", "", -2.0 * kPi, 2.0 * kPi, "At the last waypoint"},
+    kSpeedHelp,     kTurnRateHelp,
+    kToleranceHelp, kPlanHelp};
 constexpr ParameterHelp kPatrolParameters[] = {
     {"waypoints", "json", "m", "[[0, 0], [1, 0]]", 0.0, 0.0, "[[x, y], ...], at least two", true},
     kSpeedHelp,

@@ -285,7 +285,8 @@ Result<std::unique_ptr<Controller>> CreateForage(const RobotInfo& info) {
   if (!parsed.ok()) return parsed.error();
   ForageParameters& parameters = parsed.value();
   const std::optional<std::size_t> ranger = FindBestRanger(info);
-  if (kVariant == ForageVariant::kPlanning && !ranger) return Error{{}, "fasr_plan: the robot has no ranger, expected one"};
+  if (kVariant == ForageVariant::kPlanning && !ranger)
+    return Error{{}, "fasr_plan: the robot has no ranger, expected one"};
   const std::optional<std::size_t> finder = FindFinder(info);
   const bool needs_finder = std::any_of(parameters.tasks.begin(), parameters.tasks.end(), [](const Task& task) {
     return NeedsFinder(task.source) || NeedsFinder(task.sink);

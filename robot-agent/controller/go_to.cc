@@ -4,9 +4,9 @@
 // parameters until it is cancelled or expires; then the route begins again. A waypoint is reached within the tolerance,
 // without stopping, except for the last one.
 //
-// Ways to goals are searched on the map of the world (robot-agent/navigation/goal_way.h); the route of the parameters is
-// driven in straight lines, unless `plan` is set. The map is matched to
-// the surroundings, while the goal stays where the robot's estimate has it: it drifts as odometry does.
+// Ways to goals are searched on the map of the world (robot-agent/navigation/goal_way.h); the route of the parameters
+// is driven in straight lines, unless `plan` is set. The map is matched to the surroundings, while the goal stays where
+// the robot's estimate has it: it drifts as odometry does.
 #include <fmt/format.h>
 
 #include <algorithm>

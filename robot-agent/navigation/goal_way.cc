@@ -19,7 +19,7 @@ namespace troupe {
 namespace {
 
 constexpr double kSameGoal = 0.05;       // m: a goal that moves by less, with an estimate that drifts, is the same
-constexpr double kHeightChange = 0.05;      // m
+constexpr double kHeightChange = 0.05;   // m
 constexpr double kSeen = 4.0;            // m: bodies so near are searched around
 constexpr double kLook = 0.6;            // m, ahead of twice the way to brake
 constexpr double kGap = 0.1;             // m, to what is in the way
@@ -27,18 +27,18 @@ constexpr double kStanding = 0.05;       // m: with less room it waits
 constexpr double kFacing = 0.5;          // rad: it looks along its way once it faces it
 constexpr double kRetry = 2.0;           // s, between searches where a body leaves no way
 constexpr double kObjectPatience = 0.5;  // s
-constexpr double kBodyPatience = 1.0;        // s, before a robot or a person that stands; twice that before one that moves
+constexpr double kBodyPatience = 1.0;    // s, before a robot or a person that stands; twice that before one that moves
 constexpr double kGiveUp = 30.0;         // s
 constexpr int kSearchesOfLargerId = 1;   // that find no way past a robot, until it makes room
 constexpr int kSearchesOfSmallerId = 4;
-constexpr double kAside = 4.0;           // s, and up to as many more, beside the way
-constexpr double kMovedOn = 0.5;        // m: it is not blocked any more
-constexpr int kMaxSearches = 60;         // for one goal
-constexpr double kPassed = 0.1;          // m, from a point of the way
-constexpr double kPassedByCar = 0.4;     // m
-constexpr double kCornerSpeed = 0.25;    // m/s
-constexpr double kSharp = 0.35;          // rad, of a corner
-constexpr double kAtRest = 1e-3;          // m/s and rad/s
+constexpr double kAside = 4.0;         // s, and up to as many more, beside the way
+constexpr double kMovedOn = 0.5;       // m: it is not blocked any more
+constexpr int kMaxSearches = 60;       // for one goal
+constexpr double kPassed = 0.1;        // m, from a point of the way
+constexpr double kPassedByCar = 0.4;   // m
+constexpr double kCornerSpeed = 0.25;  // m/s
+constexpr double kSharp = 0.35;        // rad, of a corner
+constexpr double kAtRest = 1e-3;       // m/s and rad/s
 
 // Of the robot, object or person that the model belongs to.
 std::string NameOfBody(const Scene& scene, ModelId model) {
@@ -73,8 +73,8 @@ Vec2 GoalWay::VelocityOf(const Surroundings& around, BodyId body) {
 }
 
 bool GoalWay::Moves(const Surroundings& around, BodyId body) {
-  const bool turns = body.index() < around.world().robots.size() &&
-                     std::fabs(around.state.robots[body.index()].twist.wz) > kAtRest;
+  const bool turns =
+      body.index() < around.world().robots.size() && std::fabs(around.state.robots[body.index()].twist.wz) > kAtRest;
   return turns || VelocityOf(around, body).norm() > kAtRest;
 }
 

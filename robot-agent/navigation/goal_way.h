@@ -1,11 +1,11 @@
 // GoalWay: the way of a robot to a point, around the static bodies of the world as a map that it knows, and around
 // robots, people and objects that stand in it.
 //
-// A way is searched when a goal arrives (common/spatial/robot_ways.h). The robot looks along its way with its own body, by the exact
-// sweep of the step. Before a body it stands: for half a second before an object, for one to four seconds before a robot
-// or a person, which may move on. Then it searches again, around all that stands there. Two robots face to face wait for
-// different times (Observation::Random), so that one of them moves first. Where they cannot pass each other, the one with
-// the larger id goes to the nearest place with room for both, the other one if that does not help.
+// A way is searched when a goal arrives (common/spatial/robot_ways.h). The robot looks along its way with its own body,
+// by the exact sweep of the step. Before a body it stands: for half a second before an object, for one to four seconds
+// before a robot or a person, which may move on. Then it searches again, around all that stands there. Two robots face
+// to face wait for different times (Observation::Random), so that one of them moves first. Where they cannot pass each
+// other, the one with the larger id goes to the nearest place with room for both, the other one if that does not help.
 //
 // It gives up for a reason: no way leads to the goal, or a body has been in the way for half a minute.
 //
@@ -36,7 +36,7 @@ class GoalWay {
 
   // The motion of one tick.
   struct Leg {
-    Vec2 point{0.0, 0.0};                                     // m, W: straight ahead of it nothing static stands
+    Vec2 point{0.0, 0.0};                                   // m, W: straight ahead of it nothing static stands
     double most = std::numeric_limits<double>::infinity();  // m/s: it can stand before what is in the way
   };
   // Call it in each tick. `goal`: m, W. The error is why the goal is given up: the same until there is another one.
@@ -75,21 +75,21 @@ class GoalWay {
 
   RobotId own_;
   DriveDescription drive_;
-  std::optional<Vec2> goal_;           // m, W
+  std::optional<Vec2> goal_;            // m, W
   std::optional<std::string> failure_;  // why it was given up
   std::shared_ptr<const WalkGrid> grid_;
-  double grid_z_ = 0.0;       // m, of the robot when its way was searched
-  double grid_radius_ = 0.0;  // m
-  std::vector<Vec2> points_;  // m, W; empty: no way around the bodies that stand there
-  std::size_t next_ = 0;      // in points_
-  bool reaches_ = false;      // the way does, unless a body stands at the goal
-  bool is_due_ = false;       // a search
-  double searched_at_ = 0.0;  // s, simulated
-  int searches_ = 0;          // for this goal
-  int failed_searches_ = 0;   // since the last one that found a way
-  bool is_aside_ = false;     // the points lead to a place beside the way
+  double grid_z_ = 0.0;                // m, of the robot when its way was searched
+  double grid_radius_ = 0.0;           // m
+  std::vector<Vec2> points_;           // m, W; empty: no way around the bodies that stand there
+  std::size_t next_ = 0;               // in points_
+  bool reaches_ = false;               // the way does, unless a body stands at the goal
+  bool is_due_ = false;                // a search
+  double searched_at_ = 0.0;           // s, simulated
+  int searches_ = 0;                   // for this goal
+  int failed_searches_ = 0;            // since the last one that found a way
+  bool is_aside_ = false;              // the points lead to a place beside the way
   std::optional<double> aside_until_;  // s, simulated: it is there
-  std::vector<ModelId> blockers_;  // that were in the way to this goal, the last one at the end
+  std::vector<ModelId> blockers_;      // that were in the way to this goal, the last one at the end
   std::optional<Wait> wait_;
   std::optional<double> blocked_since_;  // s, simulated: not moved on since
   Vec2 blocked_at_{0.0, 0.0};            // m, W

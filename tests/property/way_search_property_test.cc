@@ -155,8 +155,8 @@ TEST(WaySearch, AnyProblemHasAWayOrAReason) {
     const auto grid = problem.scene->walk_routes().RobotGrid(*problem.scene, kHeights, problem.radius);
     const Result<Way> way = FindWay(*grid, problem.from, problem.to, Pointers(problem.standing));
     if (!way.ok()) {
-      EXPECT_THAT(way.error().message,
-                  testing::AnyOf("no way leads there", "there is no room for the robot", "nothing around the robot is free"));
+      EXPECT_THAT(way.error().message, testing::AnyOf("no way leads there", "there is no room for the robot",
+                                                      "nothing around the robot is free"));
       continue;
     }
     ASSERT_FALSE(way.value().points.empty());

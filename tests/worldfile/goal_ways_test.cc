@@ -41,8 +41,8 @@ wall ( size [0.2 0.6 1] pose [0 -3.7 0 0] )
 
 std::string Rover(const std::string& name, const std::string& pose, const std::string& waypoints,
                   const std::string& controller = "go_to") {
-  return "rover ( name \"" + name + "\" pose [" + pose + "] ctrl \"" + controller + " plan=true waypoints=" + waypoints +
-         "\" )\n";
+  return "rover ( name \"" + name + "\" pose [" + pose + "] ctrl \"" + controller +
+         " plan=true waypoints=" + waypoints + "\" )\n";
 }
 
 class GoalWays : public ::testing::Test {
@@ -105,9 +105,10 @@ TEST_F(GoalWays, LeadAroundABoxInTheDoorway) {
 }
 
 TEST_F(GoalWays, EndWithAReasonBeforeABoxThatLeavesNoWay) {
-  ScenarioRun run(Load("box ( name \"low\" pose [0 -2.8 0 0] )\nbox ( pose [0 -2.3 0 0] )\n"
-                       "box ( name \"high\" pose [0 2.8 0 0] )\nbox ( pose [0 2.3 0 0] )\n" +
-                       Rover("r", "-3 -2 0 0", "[[3,-2],[-3,2]]")));
+  ScenarioRun run(
+      Load("box ( name \"low\" pose [0 -2.8 0 0] )\nbox ( pose [0 -2.3 0 0] )\n"
+           "box ( name \"high\" pose [0 2.8 0 0] )\nbox ( pose [0 2.3 0 0] )\n" +
+           Rover("r", "-3 -2 0 0", "[[3,-2],[-3,2]]")));
   run.Run(900);
   EXPECT_THAT(Said(run), ElementsAre(HasSubstr("leaves out the waypoint (3.00, -2.00): ")));
   EXPECT_THAT(Said(run)[0], HasSubstr("is in the way"));
@@ -145,16 +146,18 @@ TEST_F(GoalWays, OneOfTwoMakesRoomWhereTheyCannotPass) {
       "wall ( size [4 1.8 1] pose [-3 1.3 0 0] )\nwall ( size [4 1.8 1] pose [-3 -1.3 0 0] )\n"
       "wall ( size [0.2 1 1] pose [0 2.7 0 0] )\nwall ( size [0.2 1 1] pose [0 -2.7 0 0] )\n"
       "wall ( size [4 2 1] pose [-3 3.1 0 0] )\nwall ( size [4 2 1] pose [-3 -3.1 0 0] )\n";
-  ScenarioRun run(Load(corridor + Rover("a", "-5.5 0 0 0", "[[-0.5,1.5]]") + Rover("b", "-0.5 0 0 180", "[[-5.5,1.5]]")));
+  ScenarioRun run(
+      Load(corridor + Rover("a", "-5.5 0 0 0", "[[-0.5,1.5]]") + Rover("b", "-0.5 0 0 180", "[[-5.5,1.5]]")));
   run.Run(1200);
   EXPECT_LT(DistanceTo(run, "a", {-0.5, 1.5}), 0.15);
   EXPECT_LT(DistanceTo(run, "b", {-5.5, 1.5}), 0.15);
 }
 
 TEST_F(GoalWays, AreCheckedBeforeAGoalIsAccepted) {
-  const WorldDescription world = Load("wall ( size [2 2 1] pose [3 0 0 0] )\n"
-                                      "wall ( size [1 0.2 1] pose [5.5 3 0 0] )\nwall ( size [0.2 1.2 1] pose [5 3.5 0 0] )\n"
-                                      "rover ( name \"r\" pose [-3 0 0 0] ctrl \"go_to\" )\n");
+  const WorldDescription world = Load(
+      "wall ( size [2 2 1] pose [3 0 0 0] )\n"
+      "wall ( size [1 0.2 1] pose [5.5 3 0 0] )\nwall ( size [0.2 1.2 1] pose [5 3.5 0 0] )\n"
+      "rover ( name \"r\" pose [-3 0 0 0] ctrl \"go_to\" )\n");
   const Scene scene(world);
   const Pose start = world.model(world.robots[0].root).X_PM;
   const auto check = [&](const std::vector<Vec2>& points) {
@@ -169,7 +172,8 @@ TEST_F(GoalWays, AreCheckedBeforeAGoalIsAccepted) {
 
 // A goal of a user, without a parameter: the robot says how it ends.
 TEST_F(GoalWays, OfGoalsOfUsersAreSearched) {
-  const Scene scene(Load("box ( name \"crate\" pose [3 0 0 0] )\nrover ( name \"r\" pose [-3 0 0 0] ctrl \"go_to\" )\n"));
+  const Scene scene(
+      Load("box ( name \"crate\" pose [3 0 0 0] )\nrover ( name \"r\" pose [-3 0 0 0] ctrl \"go_to\" )\n"));
   const std::unique_ptr<Robot> robot = ValueOf(Robot::Create(scene, RobotId(0)));
   BodyIndex bodies(scene);
   WorldState state = InitialState(scene);

@@ -183,7 +183,8 @@ void PageViewer::WriteGoals(PageWriter& writer) {
     ++count;
     writer.WriteCount(goal.robot.index());
     const std::string& name = world.robot(goal.robot).name;
-    const bool is_selected = std::find(selected_.robots.begin(), selected_.robots.end(), name) != selected_.robots.end();
+    const bool is_selected =
+        std::find(selected_.robots.begin(), selected_.robots.end(), name) != selected_.robots.end();
     const std::vector<Vec2> no_way;
     for (const std::vector<Vec2>* points :
          {&goal.goal->waypoints, is_selected ? &readings_.ways.Of(*shown(), goal) : &no_way}) {

@@ -35,7 +35,7 @@ struct FeedHead {
   std::uint64_t version = 0;  // of the whole content; 0: nothing yet
   SharedState state;          // null: no run was found yet, or it has ended
   bool paused = false;
-  bool last = false;  // the run has ended in order
+  bool last = false;                     // the run has ended in order
   std::vector<RobotCommand> goals = {};  // in force, with their robots
   std::optional<StatusMessage> status;
   // Counts the lists of events: that of another run, or one that was completed by the journal.
