@@ -15,9 +15,9 @@
 
 #include "common/base/paths.h"
 #include "common/base/text.h"
-#include "common/spatial/scene.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/gripper/manipulator.h"
+#include "robot-agent/navigation/lane_obstacles.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/parameters.h"
 
@@ -307,7 +307,7 @@ Status CheckControllerNeeds(const WorldDescription& world, std::span<const Robot
 }
 
 Status CheckGoalOfController(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal) {
-  const WorldDescription& world = scene.world();
+  const WorldDescription& world = WorldIn(scene);
   constexpr double kLevel = 1.0;  // m: a goal on a table is on the level of the floor
   const std::optional<BuiltInController> controller = FindBuiltIn(world.robot(robot).controller.name);
   if (!controller) return Status();

@@ -17,7 +17,6 @@
 #include "common/base/json_reader.h"
 #include "common/geometry/limits.h"
 #include "common/model/goal_text.h"
-#include "common/spatial/robot_ways.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/goal_way.h"
 #include "robot-agent/navigation/lane_traffic.h"
@@ -224,10 +223,6 @@ Result<std::unique_ptr<Controller>> CreateGoTo(const RobotInfo& info) {
   Result<GoToParameters> parameters = ParseGoTo(kName<kRepeats>, kRepeats, info.parameters);
   if (!parameters.ok()) return parameters.error();
   return std::unique_ptr<Controller>(std::make_unique<GoToController>(info, std::move(parameters).value(), kRepeats));
-}
-
-Status CheckWayToGoal(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal) {
-  return CheckWays(scene, robot, X_WR, goal.waypoints);
 }
 
 // follow: drives behind a model that its fiducial finder sees.

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kSameGoal = 0.05;       // m: a goal that moves by less, with an estimate that drifts, is the same
 constexpr double kHeightChange = 0.05;   // m
+constexpr double kJump = 0.5;            // m, in one tick, beside its speed
 constexpr double kSeen = 4.0;            // m: bodies so near are searched around
 constexpr double kLook = 0.6;            // m, ahead of twice the way to brake
 constexpr double kGap = 0.1;             // m, to what is in the way
@@ -50,6 +51,10 @@ std::string NameOfBody(const Scene& scene, ModelId model) {
 }
 
 }  // namespace
+
+Status CheckWayToGoal(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal) {
+  return CheckWays(scene, robot, X_WR, goal.waypoints);
+}
 
 void GoalWay::Reset() {
   *this = GoalWay(own_, drive_);
@@ -155,13 +160,21 @@ bool GoalWay::StepAside(const Surroundings& around) {
 
 // An equal grid of another scene changes nothing: when an agent makes its scene anew is no part of the run.
 void GoalWay::FollowGrid(const Surroundings& around) {
-  if (std::fabs(around.PoseOf(own_).z - grid_z_) > kHeightChange) is_due_ = true;
-  auto grid = GridOfRobot(around.scene, own_, grid_z_, grid_radius_);
+  const auto grid = GridOfRobot(around.scene, own_, grid_z_, grid_radius_);
   if (grid == grid_) return;
-  grid_ = std::move(grid);
-  for (std::size_t i = next_; i + 2 < points_.size(); ++i) {
-    if (!grid_->IsClear(points_[i], points_[i + 1])) is_due_ = true;
+  for (std::size_t i = next_; i + 1 < points_.size(); ++i) {
+    const bool was_clear = grid_->IsClear(points_[i], points_[i + 1]);
+    if (was_clear && !grid->IsClear(points_[i], points_[i + 1])) is_due_ = true;
   }
+  grid_ = grid;
+}
+
+// An edit may have moved the robot, and a lift changes its height.
+void GoalWay::NoteMotion(const Observation& now, const Pose& X_WR) {
+  const double most = kJump + 2.0 * now.interval * Vec2(now.twist.vx, now.twist.vy).norm();
+  if (last_ && (X_WR.translation() - *last_).norm() > most) is_due_ = true;
+  last_ = X_WR.translation();
+  if (std::fabs(X_WR.z - grid_z_) > kHeightChange && now.time - searched_at_ >= kRetry) is_due_ = true;
 }
 
 // A car cannot turn on the spot, and so passes points farther away.
@@ -223,7 +236,7 @@ GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) 
   }
   const double bearing = WrapAngle(Atan2(way.y(), way.x()) - X_WR.heading);
   if (length == 0.0 || (std::fabs(bearing) > kFacing && drive_.type != DriveType::kCar)) return leg;
-  const double speed = std::hypot(now.twist.vx, now.twist.vy);
+  const double speed = Vec2(now.twist.vx, now.twist.vy).norm();
   const double look = kLook + kGap + speed * speed / std::max(-drive_.acceleration.x.min, 1e-3);
   const auto contact = FindContactAhead(around, own_, X_WR, way / length, std::min(length + kGap, look));
   if (!contact || !around.scene.body_of(contact->model)) {
@@ -243,6 +256,7 @@ Result<GoalWay::Leg> GoalWay::Update(const Observation& now, const Surroundings&
   if (!goal_ || (goal - *goal_).norm() > kSameGoal) Begin(goal);
   if (failure_) return Failure(*failure_);
   if (grid_) FollowGrid(around);
+  NoteMotion(now, around.PoseOf(own_));
   if (points_.empty() && now.time - searched_at_ >= kRetry) is_due_ = true;
   if (is_due_) Search(now, around);
   if (failure_) return Failure(*failure_);

@@ -23,12 +23,16 @@
 #include "robot-agent/navigation/lane_obstacles.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
+#include "troupe/robot_command.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
 
 class WalkGrid;
 struct ConvexPiece;
+
+// Checks that a robot at X_WR finds a way to the goal (common/spatial/robot_ways.h). The error is the reason.
+Status CheckWayToGoal(const Scene& scene, RobotId robot, const Pose& X_WR, const Goal& goal);
 
 class GoalWay {
  public:
@@ -66,6 +70,7 @@ class GoalWay {
   bool MovesAway(const Surroundings& around, BodyId body) const;
   // The way is not clear any more where an edit has changed the world.
   void FollowGrid(const Surroundings& around);
+  void NoteMotion(const Observation& now, const Pose& X_WR);
   void Advance(const Vec2& here);
   Leg Drive(const Observation& now, const Surroundings& around);
   void OnBlocked(const Observation& now, const Surroundings& around, ModelId model);
@@ -80,6 +85,7 @@ class GoalWay {
   std::shared_ptr<const WalkGrid> grid_;
   double grid_z_ = 0.0;                // m, of the robot when its way was searched
   double grid_radius_ = 0.0;           // m
+  std::optional<Vec2> last_;           // m, W, of the robot in the tick before
   std::vector<Vec2> points_;           // m, W; empty: no way around the bodies that stand there
   std::size_t next_ = 0;               // in points_
   bool reaches_ = false;               // the way does, unless a body stands at the goal

@@ -57,6 +57,10 @@ bool IsMovingLeaf(const Surroundings& around, ObjectId object) {
 
 }  // namespace
 
+const WorldDescription& WorldIn(const Scene& scene) {
+  return scene.world();
+}
+
 const WorldDescription& Surroundings::world() const {
   return scene.world();
 }

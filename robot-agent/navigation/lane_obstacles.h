@@ -21,6 +21,8 @@ namespace troupe {
 class BodyIndex;
 class Scene;
 
+const WorldDescription& WorldIn(const Scene& scene);
+
 // A state with its scene and its bodies, in one tick.
 struct Surroundings {
   const Scene& scene;

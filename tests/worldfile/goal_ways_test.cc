@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/model/states.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/controller/create_controller.h"
@@ -21,6 +22,7 @@
 namespace troupe {
 namespace {
 
+using test::ValueOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -202,6 +204,44 @@ TEST_F(GoalWays, OfGoalsOfUsersAreSearched) {
   said.clear();
   drive(3, {-3.0, 0.0}, 600);
   EXPECT_THAT(said, ElementsAre("reached the goal (-3.00, 0.00)"));
+  // It is moved by an edit behind the wall, and searches its way again.
+  said.clear();
+  drive(4, {5.0, 2.0}, 50);
+  state.robots[0].X_WR = {-5.0, -3.0, 0.0, 0.0};
+  drive(4, {5.0, 2.0}, 700);
+  EXPECT_THAT(said, ElementsAre("reached the goal (5.00, 2.00)"));
+}
+
+// The same bits when it is copied in the middle, and however often its scene is made anew.
+TEST_F(GoalWays, ContinueInACopyAndInANewScene) {
+  const WorldDescription world = Load(
+      "box ( name \"crate\" pose [0 -2.8 0 0] )\nbox ( pose [0 -2.3 0 0] )\nrover ( name \"r\" pose [-3 -2 0 0] ctrl "
+      "\"go_to\" )\n");
+  const Goal goal{.number = 1, .waypoints = {{3.0, -2.0}}};
+  ExternalCommand command;
+  command.goal = goal;
+  std::vector<std::vector<std::uint64_t>> hashes;
+  for (const bool is_disturbed : {false, true}) {
+    std::vector<std::unique_ptr<Scene>> scenes;
+    scenes.push_back(std::make_unique<Scene>(world));
+    std::unique_ptr<Robot> robot = ValueOf(Robot::Create(*scenes.back(), RobotId(0)));
+    WorldState state = InitialState(*scenes.back());
+    std::vector<std::uint64_t>& run = hashes.emplace_back();
+    for (int i = 0; i < 400; ++i) {
+      if (is_disturbed && i % 37 == 5) robot = ValueOf(robot->Clone());
+      if (is_disturbed && i % 29 == 3) {
+        scenes.push_back(std::make_unique<Scene>(world));
+        robot->ChangeWorld(*scenes.back());
+      }
+      BodyIndex bodies(*scenes.back());
+      bodies.Assign(state);
+      const Proposal proposal = robot->Decide(state, bodies, command);
+      state = Step(*scenes.back(), state, std::span(&proposal, 1)).state;
+      run.push_back(StateHash(state));
+    }
+    EXPECT_LT((state.robots[0].X_WR.translation() - Vec2(3.0, -2.0)).norm(), 0.2);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
 }
 
 }  // namespace

@@ -419,6 +419,11 @@ void TickEngine::End(double now, const std::vector<RobotId>& lost) {
 }
 
 void TickEngine::Poll(double now) {
+  // So that a service that continues the run waits for the agents that there are. Once for many changes; each tick has
+  // them, too.
+  if (std::exchange(has_changed_members_, false) && run_.frame.paused && run_.phase == RunPhase::kRunning) {
+    ReportProgress(now);
+  }
   AdvanceRelease(now);
   if (ReadyToCommit(now)) return Commit(now);
   if (run_.phase == RunPhase::kEnding && now >= end_at_) run_.phase = RunPhase::kOver;

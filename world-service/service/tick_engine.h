@@ -215,9 +215,10 @@ class TickEngine {
   std::uint64_t frames_resent_ = 0;
   double observers_waited_ = 0.0;  // s
   std::optional<double> observers_wait_since_;
-  std::set<AgentId> supervised_;  // whose end a launcher reports
-  std::set<std::string> frozen_;  // names of robots
-  bool has_new_losses_ = true;    // since frozen_ was complete
+  std::set<AgentId> supervised_;      // whose end a launcher reports
+  std::set<std::string> frozen_;      // names of robots
+  bool has_new_losses_ = true;        // since frozen_ was complete
+  bool has_changed_members_ = false;  // in a pause, in which no tick tells the journal
 
   // Wall times, s.
   double committed_at_ = 0.0;       // of the newest frame

@@ -30,6 +30,7 @@ StatePlace PlaceOf(const ProposalMessage& proposal) {
 void TickEngine::AddMember(Member& member, double now) {
   member.silent_since = now;
   barrier_.AddMember(member.id);
+  has_changed_members_ = true;
   if (run_.is_branch() && run_.phase == RunPhase::kGathering) return;  // no event of the tick that it begins with
   for (RobotId robot : member.robots) {
     run_.events.Add(EventType::kJoined, run_.frame.state.tick, robot, Describe(member));
@@ -152,7 +153,7 @@ void TickEngine::OnAgentSilent(AgentId agent, double now) {
 void TickEngine::Lose(Member& member, const std::string& reason, double now) {
   run_.members.Lose(member);
   barrier_.RemoveMember(member.id);
-  has_new_losses_ = true;
+  has_new_losses_ = has_changed_members_ = true;
   end_at_ = EndWithout(now);
   const bool none_left = run_.members.present_members() == 0;
   if (none_left) halted_since_ = now;

@@ -472,6 +472,23 @@ TEST_F(ResumedRunTest, DoesNotWaitForARobotThatHadLostItsAgent) {
   EXPECT_EQ(coordinator->phase(), Phase::kRunning);
 }
 
+// A pause has no tick that tells the journal.
+TEST_F(ResumedRunTest, WaitsForARobotThatHasRejoinedInAPause) {
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  coordinator->Control(
+      control::Pause{}, [](const ControlReply&) {}, now);
+  Propose(1);
+  ASSERT_TRUE(endpoint.frames.back().paused);
+  Rejoin(2, 0);
+  coordinator->Poll(now);
+  Resume();
+  Rejoin(1);
+  EXPECT_EQ(coordinator->phase(), Phase::kGathering);
+  Rejoin(2);
+  EXPECT_EQ(coordinator->phase(), Phase::kRunning);
+}
+
 TEST_F(ResumedRunTest, LosesAgentsThatDoNotReturn) {
   MakeAndStart(2);
   Resume();
