@@ -70,6 +70,9 @@ Result<TestCase> ParseCase(std::string_view text) {
   if (const std::size_t bad = FindInvalidUtf8(text); bad != std::string::npos) {
     return fail(bad, fmt::format("found the byte 0x{:02x}, expected UTF-8", static_cast<unsigned char>(text[bad])));
   }
+  // A reader of JSON takes it for the end of a value.
+  if (const std::size_t end = text.find('\0'); end != std::string::npos)
+    return fail(end, "found the byte 0x00, expected text");
   for (std::size_t i = 0; i < text.size();) {
     std::size_t size = 0;
     Result<ValuePath> path = ValuePath::ParseBeforeEquals(text.substr(i), size);

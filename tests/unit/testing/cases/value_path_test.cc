@@ -142,6 +142,7 @@ TEST(CaseText, RefusesTextsThatAreNone) {
            {"spawn[=1", "expected ']'"},
            {"robots[\"a=1", "expected a JSON string"},
            {"seed=1,seed=\xff", "column 13: found the byte 0xff, expected UTF-8"},
+           {std::string("seed=1\0x", 8), "column 7: found the byte 0x00, expected text"},
            {"robots[a]=1,robots[\"a\"]=1", "again"}}) {
     const Result<TestCase> read = ParseCase(text);
     ASSERT_FALSE(read.ok()) << text;
