@@ -17,8 +17,8 @@
 #include "common/base/text.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/gripper/manipulator.h"
-#include "robot-agent/navigation/lane_obstacles.h"
 #include "robot-agent/navigation/steering.h"
+#include "robot-agent/navigation/surroundings.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

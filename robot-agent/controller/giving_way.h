@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "robot-agent/navigation/lane_obstacles.h"
 #include "robot-agent/navigation/lane_route.h"
 #include "robot-agent/navigation/lane_traffic.h"
 #include "troupe/controller.h"

@@ -19,8 +19,8 @@
 #include "common/model/goal_text.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/goal_way.h"
-#include "robot-agent/navigation/lane_traffic.h"
 #include "robot-agent/navigation/steering.h"
+#include "robot-agent/navigation/surroundings.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 
@@ -142,6 +142,7 @@ class GoToController final : public Controller, public RobotWatcher {
     Command command = SteerToPoint(drive_, parameters_.steer, ahead_R, std::min(most, leg.value().most));
     // It leaves its way only where it turns on the spot.
     if (ahead_R.x() < kFacing * ahead_R.norm()) command.twist.vx = 0.0;
+    if (leg.value().door) command.orders.push_back(DoorOrder{.door = *leg.value().door});
     return command;
   }
 

@@ -28,6 +28,7 @@
 #include "robot-agent/navigation/lane_traffic.h"
 #include "robot-agent/navigation/planned_way.h"
 #include "robot-agent/navigation/steering.h"
+#include "robot-agent/navigation/surroundings.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {

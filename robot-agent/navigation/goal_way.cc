@@ -11,6 +11,7 @@
 #include "common/spatial/robot_ways.h"
 #include "common/spatial/scene.h"
 #include "common/spatial/walk_grid.h"
+#include "common/spatial/walk_routes.h"
 #include "common/spatial/way_search.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/deterministic_math.h"
@@ -35,6 +36,9 @@ constexpr int kSearchesOfSmallerId = 4;
 constexpr double kAside = 4.0;         // s, and up to as many more, beside the way
 constexpr double kMovedOn = 0.5;       // m: it is not blocked any more
 constexpr int kMaxSearches = 60;       // for one goal
+constexpr double kDoorAhead = 3.0;     // m, of its way: a door that is nearer is asked for
+constexpr double kDoorGap = 0.2;       // m, to what its leaves sweep
+constexpr double kOpen = 0.999;        // of a door
 constexpr double kPassed = 0.1;        // m, from a point of the way
 constexpr double kPassedByCar = 0.4;   // m
 constexpr double kCornerSpeed = 0.25;  // m/s
@@ -48,6 +52,19 @@ std::string NameOfBody(const Scene& scene, ModelId model) {
   if (const std::optional<ObjectId> object = scene.object_of(model)) model = world.objects[object->index()];
   if (const std::optional<PersonId> person = scene.person_of(model)) model = world.person(*person).root;
   return world.model(model).name;
+}
+
+// Of a door that can be asked for: the grid has its leaves as they stand when it is open.
+bool IsLeaf(const Scene& scene, BodyId body) {
+  const std::optional<ObjectId> object = scene.object_of(body);
+  const std::vector<DoorDescription>& doors = scene.world().doors;
+  for (std::size_t i = 0; object && i < doors.size(); ++i) {
+    if (!scene.walk_routes().portals().doors[i]) continue;
+    for (const DoorLeaf& leaf : doors[i].leaves) {
+      if (leaf.object == *object) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -100,7 +117,7 @@ std::vector<const ConvexPiece*> GoalWay::StandingPieces(const Surroundings& arou
   standing.erase(std::unique(standing.begin(), standing.end()), standing.end());
   std::vector<const ConvexPiece*> pieces;
   for (const BodyId body : standing) {
-    if (body == around.scene.body_of(own_) || around.bodies.owner(body) == own_) continue;
+    if (body == around.scene.body_of(own_) || around.bodies.owner(body) == own_ || IsLeaf(around.scene, body)) continue;
     for (const ConvexPiece& piece : around.bodies.pieces_in_world(body)) pieces.push_back(&piece);
   }
   return pieces;
@@ -127,7 +144,7 @@ void GoalWay::Search(const Observation& now, const Surroundings& around) {
   searched_at_ = now.time;
   points_.clear();
   next_ = 0;
-  wait_.reset();
+  wait_until_.reset();
   ++searches_;
   const std::array radii = RadiiOfWays(around.scene, own_);
   for (const double radius : radii) {
@@ -182,8 +199,8 @@ double GoalWay::PassedDistance() const {
   return drive_.type == DriveType::kCar ? kPassedByCar : kPassed;
 }
 
+// Never earlier: a straight line to a later point may lead through a body that the way goes around.
 void GoalWay::Advance(const Vec2& here) {
-  // Never earlier: a straight line to a later point may lead through a body that the way goes around.
   while (next_ + 1 < points_.size() && (points_[next_] - here).norm() < PassedDistance()) ++next_;
 }
 
@@ -197,13 +214,13 @@ void GoalWay::CountBlock(const Observation& now, const Vec2& here) {
 void GoalWay::OnBlocked(const Observation& now, const Surroundings& around, ModelId model) {
   std::erase(blockers_, model);
   blockers_.push_back(model);
-  if (!wait_) {
+  if (!wait_until_) {
     const bool is_object = around.scene.object_of(model).has_value();
     const double least = Moves(around, *around.scene.body_of(model)) ? 2.0 * kBodyPatience : kBodyPatience;
-    wait_ = Wait{now.time, now.time + (is_object ? kObjectPatience : least * (1.0 + now.Random(8)))};
+    wait_until_ = now.time + (is_object ? kObjectPatience : least * (1.0 + now.Random(8)));
     CountBlock(now, around.PoseOf(own_).translation());
   }
-  if (now.time >= wait_->until) is_due_ = true;
+  if (now.time >= *wait_until_) is_due_ = true;
 }
 
 // Slow where the way turns behind the next point, so that the robot stays on it.
@@ -217,6 +234,44 @@ double GoalWay::CornerSpeed(const Vec2& here) const {
   return std::sqrt(braking * braking + kCornerSpeed * kCornerSpeed);
 }
 
+std::optional<std::size_t> GoalWay::ClosedDoorAhead(const Surroundings& around, const Vec2& here) const {
+  if (around.state.doors.empty()) return std::nullopt;
+  double left = kDoorAhead;
+  Vec2 from = here;
+  for (std::size_t i = next_; i < points_.size() && left > 0.0; ++i) {
+    const Vec2 way = points_[i] - from;
+    const double length = way.norm();
+    // Half a cell at a time, as WalkGrid::IsClear.
+    const int parts = static_cast<int>(2.0 * length / grid_->cell()) + 1;
+    for (int part = 1; part <= parts && part * length <= left * parts; ++part) {
+      const std::optional<std::size_t> door =
+          grid_->DoorOf(grid_->CellOf(from + (static_cast<double>(part) / parts) * way));
+      if (door && around.state.doors[*door].opening < kOpen) return door;
+    }
+    left -= length;
+    from = points_[i];
+  }
+  return std::nullopt;
+}
+
+GoalWay::Leg GoalWay::AwaitDoor(const Observation& now, const Surroundings& around, Leg leg) {
+  const Vec2 here = around.PoseOf(own_).translation();
+  leg.door = ClosedDoorAhead(around, here);
+  if (!leg.door) return leg;
+  const double radius = RadiiOfWays(around.scene, own_)[1];
+  const DoorPortal::Clearance clearance = around.scene.walk_routes().portals().doors[*leg.door]->ClearanceOf(here);
+  const double room = clearance.distance - radius - kDoorGap;
+  if (room >= kStanding) {
+    leg.most = std::min(leg.most, BrakingSpeed(drive_, room));
+    return leg;
+  }
+  CountBlock(now, here);
+  wait_until_.reset();
+  // Where a leaf could touch it, it makes room.
+  const bool is_in_reach = clearance.distance < radius && drive_.type != DriveType::kCar;
+  return is_in_reach ? Leg{here + clearance.away, kCornerSpeed, leg.door} : Leg{here, 0.0, leg.door};
+}
+
 GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) {
   const Pose& X_WR = around.PoseOf(own_);
   const Vec2 here = X_WR.translation();
@@ -224,23 +279,25 @@ GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) 
   Leg leg{points_[next_], CornerSpeed(here)};
   const Vec2 way = leg.point - here;
   const double length = way.norm();
-  if (length < kPassed && is_aside_) {
+  if (length < PassedDistance() && is_aside_) {
     if (!aside_until_) aside_until_ = now.time + kAside * (1.0 + now.Random(9));
     is_due_ = now.time >= *aside_until_;
     return {here, 0.0};
   }
-  if (length < kPassed && !reaches_) {  // something stands at the goal
+  if (length < PassedDistance() && !reaches_) {  // something stands at the goal
     CountBlock(now, here);
     is_due_ = now.time - searched_at_ >= kRetry;
     return {here, 0.0};
   }
+  leg = AwaitDoor(now, around, leg);
+  if (leg.most == 0.0) return leg;
   const double bearing = WrapAngle(Atan2(way.y(), way.x()) - X_WR.heading);
   if (length == 0.0 || (std::fabs(bearing) > kFacing && drive_.type != DriveType::kCar)) return leg;
   const double speed = Vec2(now.twist.vx, now.twist.vy).norm();
   const double look = kLook + kGap + speed * speed / std::max(-drive_.acceleration.x.min, 1e-3);
   const auto contact = FindContactAhead(around, own_, X_WR, way / length, std::min(length + kGap, look));
   if (!contact || !around.scene.body_of(contact->model)) {
-    wait_.reset();
+    wait_until_.reset();
     return leg;
   }
   // A body that moves may come as far as the robot goes.
@@ -249,7 +306,7 @@ GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) 
   leg.most = std::min(leg.most, BrakingSpeed(drive_, room));
   if (room >= kStanding) return leg;
   OnBlocked(now, around, contact->model);
-  return {here, 0.0};
+  return {here, 0.0, leg.door};
 }
 
 Result<GoalWay::Leg> GoalWay::Update(const Observation& now, const Surroundings& around, const Vec2& goal) {

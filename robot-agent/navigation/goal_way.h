@@ -7,6 +7,8 @@
 // to face wait for different times (Observation::Random), so that one of them moves first. Where they cannot pass each
 // other, the one with the larger id goes to the nearest place with room for both, the other one if that does not help.
 //
+// Doors on the way are asked for, and waited for outside of all that their leaves sweep.
+//
 // It gives up for a reason: no way leads to the goal, or a body has been in the way for half a minute.
 //
 // A value: a copy continues as the original would. Whether a way is searched again depends on the state and the
@@ -20,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "robot-agent/navigation/lane_obstacles.h"
+#include "robot-agent/navigation/surroundings.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
@@ -42,6 +44,7 @@ class GoalWay {
   struct Leg {
     Vec2 point{0.0, 0.0};                                   // m, W: straight ahead of it nothing static stands
     double most = std::numeric_limits<double>::infinity();  // m/s: it can stand before what is in the way
+    std::optional<std::size_t> door = {};                   // on its next metres, which is to be opened
   };
   // Call it in each tick. `goal`: m, W. The error is why the goal is given up: the same until there is another one.
   Result<Leg> Update(const Observation& now, const Surroundings& around, const Vec2& goal);
@@ -52,11 +55,6 @@ class GoalWay {
   void Reset();
 
  private:
-  struct Wait {
-    double since = 0.0;  // s, simulated
-    double until = 0.0;
-  };
-
   void Begin(const Vec2& goal);
   void Search(const Observation& now, const Surroundings& around);
   Status SearchOn(const Surroundings& around, double radius, bool around_bodies);
@@ -76,6 +74,10 @@ class GoalWay {
   void OnBlocked(const Observation& now, const Surroundings& around, ModelId model);
   void CountBlock(const Observation& now, const Vec2& here);
   double CornerSpeed(const Vec2& here) const;
+  // The first door on the next metres of the way that is not open.
+  std::optional<std::size_t> ClosedDoorAhead(const Surroundings& around, const Vec2& here) const;
+  // The leg with that door: no farther than to where no leaf sweeps.
+  Leg AwaitDoor(const Observation& now, const Surroundings& around, Leg leg);
   double PassedDistance() const;
 
   RobotId own_;
@@ -83,20 +85,20 @@ class GoalWay {
   std::optional<Vec2> goal_;            // m, W
   std::optional<std::string> failure_;  // why it was given up
   std::shared_ptr<const WalkGrid> grid_;
-  double grid_z_ = 0.0;                // m, of the robot when its way was searched
-  double grid_radius_ = 0.0;           // m
-  std::optional<Vec2> last_;           // m, W, of the robot in the tick before
-  std::vector<Vec2> points_;           // m, W; empty: no way around the bodies that stand there
-  std::size_t next_ = 0;               // in points_
-  bool reaches_ = false;               // the way does, unless a body stands at the goal
-  bool is_due_ = false;                // a search
-  double searched_at_ = 0.0;           // s, simulated
-  int searches_ = 0;                   // for this goal
-  int failed_searches_ = 0;            // since the last one that found a way
-  bool is_aside_ = false;              // the points lead to a place beside the way
-  std::optional<double> aside_until_;  // s, simulated: it is there
-  std::vector<ModelId> blockers_;      // that were in the way to this goal, the last one at the end
-  std::optional<Wait> wait_;
+  double grid_z_ = 0.0;                  // m, of the robot when its way was searched
+  double grid_radius_ = 0.0;             // m
+  std::optional<Vec2> last_;             // m, W, of the robot in the tick before
+  std::vector<Vec2> points_;             // m, W; empty: no way around the bodies that stand there
+  std::size_t next_ = 0;                 // in points_
+  bool reaches_ = false;                 // the way does, unless a body stands at the goal
+  bool is_due_ = false;                  // a search
+  double searched_at_ = 0.0;             // s, simulated
+  int searches_ = 0;                     // for this goal
+  int failed_searches_ = 0;              // since the last one that found a way
+  bool is_aside_ = false;                // the points lead to a place beside the way
+  std::optional<double> aside_until_;    // s, simulated: it is there
+  std::vector<ModelId> blockers_;        // that were in the way to this goal, the last one at the end
+  std::optional<double> wait_until_;     // s, simulated: what is in the way may have moved on by then
   std::optional<double> blocked_since_;  // s, simulated: not moved on since
   Vec2 blocked_at_{0.0, 0.0};            // m, W
 };

@@ -11,36 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "robot-agent/navigation/surroundings.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/world_description.h"
 #include "troupe/world_state.h"
 
 namespace troupe {
-
-class BodyIndex;
-class Scene;
-
-const WorldDescription& WorldIn(const Scene& scene);
-
-// A state with its scene and its bodies, in one tick.
-struct Surroundings {
-  const Scene& scene;
-  const BodyIndex& bodies;
-  const WorldState& state;
-
-  const WorldDescription& world() const;
-  const Pose& PoseOf(RobotId robot) const;  // X_WR
-};
-
-// The first contact of the robot, if it were at X_WR and moved by `way` m along `direction` (a unit vector, W) without
-// turning. Nothing: there is none.
-struct ContactAhead {
-  ModelId model;      // with which
-  double room = 0.0;  // m, that the robot can move until then
-};
-std::optional<ContactAhead> FindContactAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
-                                             const Vec2& direction, double way);
 
 struct LaneObstacle {
   std::string name;   // of the static model, or of the root of the object or person

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "robot-agent/navigation/lane_obstacles.h"
 #include "robot-agent/navigation/lane_route.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
@@ -28,14 +27,6 @@ struct SeenRobot {
   double z = 0.0;
   double radius = 0.0;  // m, around its origin; no part of its declared size is farther away
   bool moves = false;
-};
-
-// A controller that sees the other bodies of its world.
-class RobotWatcher {
- public:
-  virtual ~RobotWatcher() = default;
-  // Called before each Update, with the same tick; all of it lives until that has returned.
-  virtual void WatchRobots(const Surroundings& around) = 0;
 };
 
 // The radius (m) around a robot's origin that contains its declared size and its blocks.

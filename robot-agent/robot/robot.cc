@@ -20,7 +20,7 @@
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/controller/create_controller.h"
-#include "robot-agent/navigation/lane_traffic.h"
+#include "robot-agent/navigation/surroundings.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/random.h"
 

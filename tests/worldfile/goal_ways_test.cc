@@ -155,6 +155,21 @@ TEST_F(GoalWays, OneOfTwoMakesRoomWhereTheyCannotPass) {
   EXPECT_LT(DistanceTo(run, "b", {-5.5, 1.5}), 0.15);
 }
 
+TEST_F(GoalWays, LeadThroughDoorsThatTheRobotOpens) {
+  for (const char* kind : {"sliding", "hinged", "double_hinged"}) {
+    SCOPED_TRACE(kind);
+    const std::string doors = std::string("door ( name \"gate\" pose [0 -2.8 0 90] size [1.2 0.04 1] kind \"") + kind +
+                              "\" )\nwall ( size [0.2 1.2 1] pose [0 2.8 0 0] )\n";
+    ScenarioRun run(Load(doors + Rover("r", "-3 -2 0 0", "[[3,-2],[-3,-2]]")));
+    run.Run(300);
+    EXPECT_EQ(run.state().doors[0].opening, 1.0);
+    run.Run(500);
+    EXPECT_LT(DistanceTo(run, "r", {-3.0, -2.0}), 0.1) << "there and back";
+    EXPECT_FALSE(run.EverStalled("r"));
+    EXPECT_THAT(Said(run), IsEmpty());
+  }
+}
+
 TEST_F(GoalWays, AreCheckedBeforeAGoalIsAccepted) {
   const WorldDescription world = Load(
       "wall ( size [2 2 1] pose [3 0 0 0] )\n"

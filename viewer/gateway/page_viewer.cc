@@ -16,6 +16,9 @@ constexpr int kMeasuringShare = 4;  // 1 / (1 + 4)
 // Between two camera images to a viewer, whatever they cost.
 constexpr std::chrono::milliseconds kPicturePeriod{100};
 
+// With readings of all robots, as many ways are searched at most; of more goals none is, because none is selected.
+constexpr std::size_t kMaxWaysOfAll = 16;
+
 // The flags of an update message.
 constexpr std::uint8_t kPausedFlag = 1;
 constexpr std::uint8_t kLastFlag = 2;
@@ -183,8 +186,8 @@ void PageViewer::WriteGoals(PageWriter& writer) {
     ++count;
     writer.WriteCount(goal.robot.index());
     const std::string& name = world.robot(goal.robot).name;
-    const bool is_selected =
-        std::find(selected_.robots.begin(), selected_.robots.end(), name) != selected_.robots.end();
+    const bool is_listed = std::find(selected_.robots.begin(), selected_.robots.end(), name) != selected_.robots.end();
+    const bool is_selected = is_listed || (selected_.all && goals.size() <= kMaxWaysOfAll);
     const std::vector<Vec2> no_way;
     for (const std::vector<Vec2>* points :
          {&goal.goal->waypoints, is_selected ? &readings_.ways.Of(*shown(), goal) : &no_way}) {
