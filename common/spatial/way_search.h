@@ -21,8 +21,8 @@
 namespace troupe {
 
 struct Way {
-  std::vector<Vec2> points;  // m, W, one after another in straight lines; the last is the end
-  bool reaches = true;       // false: something stands at the end, and the way leads near it
+  std::vector<Vec2> points = {};  // m, W, one after another in straight lines; the last is the end
+  bool reaches = true;            // false: something stands at the end, and the way leads near it
 };
 
 // The way from `from` to `to`, m, W. `standing`: pieces in W of bodies beside the static ones. The error says what
