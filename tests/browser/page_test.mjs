@@ -191,8 +191,8 @@ async function doesTenTasksByKeys() {
     .some(({robot, way}) => robot === 'bela' && way > 0));
   await until('the goal is shown', async () => /goal-8\.00, -7\.20 m/.test(await page.textContent('#panel-facts')));
   const into = await page.evaluate(() => window.troupe.request(
-    'command_robot', {name: 'bela', ticks: 100000, goal: {waypoints: [[-2, -5.6]]}}));
-  assert.match(into.problem, /cannot reach the goal: there is no room for it at \(-2\.00, -5\.60\)/);
+    'command_robot', {name: 'bela', ticks: 100000, goal: {waypoints: [[-4, -3]]}}));
+  assert.match(into.problem, /cannot reach the goal: there is no room for it at \(-4\.00, -3\.00\)/);
   await page.evaluate(name => window.troupe.select(name), added);
   await selected(page, added);
   // 9. Drive it.
