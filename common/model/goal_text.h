@@ -6,7 +6,7 @@ namespace troupe {
 // Followed by the point and the reason.
 inline constexpr const char* kGaveUpGoal = "gave up the goal";
 
-// The begin of the line with the last words of a robot's controller in the signals of its report, before an object with
+// The start of the line with the last words of a robot's controller in the signals of its report, before an object with
 // the keys "tick" and "text".
 inline constexpr const char* kSaidLine = "said";
 

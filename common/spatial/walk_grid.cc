@@ -82,13 +82,13 @@ void WalkGrid::Block(const ConvexPiece& piece) {
   });
 }
 
-bool WalkGrid::IsClear(const Vec2& from, const Vec2& to) const {
+bool WalkGrid::IsClear(const Vec2& from, const Vec2& to, const std::vector<bool>& taken) const {
   const Vec2 way = to - from;
   // Half a cell at a time: no cell is skipped by more than a corner.
   const int parts = static_cast<int>(2.0 * way.norm() / cell_) + 1;
   for (int i = 1; i <= parts; ++i) {
-    const Room room = room_[CellOf(from + (static_cast<double>(i) / parts) * way)];
-    if (room == Room::kBlocked || room == Room::kAtLeaf) return false;
+    const std::size_t cell = CellOf(from + (static_cast<double>(i) / parts) * way);
+    if (room_[cell] == Room::kBlocked || room_[cell] == Room::kAtLeaf || (!taken.empty() && taken[cell])) return false;
   }
   return true;
 }

@@ -128,8 +128,9 @@ class WalkGrid {
     }
   }
 
-  // All cells between the points are free, and not at the leaf of an open door.
-  bool IsClear(const Vec2& from, const Vec2& to) const;
+  // All cells between the points are free, not at the leaf of an open door, and not marked in `taken` (by cell; empty:
+  // none is).
+  bool IsClear(const Vec2& from, const Vec2& to, const std::vector<bool>& taken = {}) const;
 
   // Marks in `taken`, by cell, where a piece (in W) that stands there now leaves no room.
   void MarkTaken(const ConvexPiece& piece, std::vector<bool>& taken) const;

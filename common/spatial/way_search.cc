@@ -30,18 +30,6 @@ std::optional<std::size_t> CellOfGoal(const WalkGrid& grid, const Vec2& goal) {
   return (grid.CenterOf(*cell) - goal).norm() <= slack ? cell : std::nullopt;
 }
 
-// All cells between the points are free, also of bodies at the cells of `taken` (by cell; empty: none).
-bool IsWayClear(const WalkGrid& grid, const std::vector<bool>& taken, const Vec2& from, const Vec2& to) {
-  if (!grid.IsClear(from, to)) return false;
-  if (taken.empty()) return true;
-  const Vec2 way = to - from;
-  const int parts = static_cast<int>(2.0 * way.norm() / grid.cell()) + 1;
-  for (int i = 1; i <= parts; ++i) {
-    if (taken[grid.CellOf(from + (static_cast<double>(i) / parts) * way)]) return false;
-  }
-  return true;
-}
-
 class WaySearch {
  public:
   WaySearch(const WalkGrid& grid, std::span<const ConvexPiece* const> standing) : grid_(grid) {
@@ -155,7 +143,7 @@ class WaySearch {
     if (grid_.CellOf(from) != start || !grid_.Contains(from)) points.push_back(here = grid_.CenterOf(start));
     for (std::size_t at = 0; at + 1 < cells.size();) {
       std::size_t ahead = std::min(kLongestLine, cells.size() - 1 - at);
-      while (ahead > 1 && !IsWayClear(grid_, taken_, here, grid_.CenterOf(cells[at + ahead]))) ahead = ahead * 3 / 4;
+      while (ahead > 1 && !grid_.IsClear(here, grid_.CenterOf(cells[at + ahead]), taken_)) ahead = ahead * 3 / 4;
       at += ahead;
       points.push_back(here = grid_.CenterOf(cells[at]));
     }

@@ -203,8 +203,7 @@ export class Agents {
 
 // The stores of energy and the lights of the selected robot, in its panel.
 
-// Without the robot's name; `own`: of the robot's root itself.
-// The last point, and how far it is.
+// The last point of a goal, and its distance along the way.
 function goalText(goal: RobotGoal, pose: Pose): string {
   let length = 0;
   let [x, y] = [pose.x, pose.y];
@@ -217,6 +216,7 @@ function goalText(goal: RobotGoal, pose: Pose): string {
   return `${fixed(endX, 2)}, ${fixed(endY, 2)} m (${fixed(length, 1)} m)`;
 }
 
+// Without the robot's name; `own`: of the robot's root itself.
 function partName(run: Run, robot: number, model: number, own: string): string {
   const {name, root} = run.world.robots[robot];
   return model === root ? own : run.world.models[model].name.replace(`${name}.`, '');

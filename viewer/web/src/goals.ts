@@ -19,9 +19,11 @@ export class GoalMarks {
 
   constructor() {
     this.lines.frustumCulled = false;
+    this.lines.visible = false;
   }
 
   show(run: Run): void {
+    if (run.goals.length === 0 && !this.lines.visible) return;  // most runs
     const points: number[] = [];
     const colors: number[] = [];
     for (const goal of run.goals) {
