@@ -296,6 +296,12 @@ void HostConnection::Arm(const std::string& text) {
   FlushNow();
 }
 
+void HostConnection::Show() {
+  const std::lock_guard lock(mutex_);
+  Send(LinkKind::kShow, 0);
+  FlushNow();
+}
+
 void HostConnection::Collect() {
   const std::lock_guard lock(mutex_);
   Send(LinkKind::kCollect, 0);

@@ -71,6 +71,8 @@ class HostConnection final : public RosConnection {
   void Unwatch(std::uint32_t watch);
   // From now on messages count for `text`, unless they do already.
   void Arm(const std::string& text);
+  // The tick whose text is armed is published: nodes may know of it.
+  void Show();
   // Has all that other processes of this host have passed to the program by now written to ROS.
   void Collect();
   // Writes a std_msgs/Header by a latched writer of this connection, with the topics behind its text that have had

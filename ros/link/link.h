@@ -40,6 +40,7 @@ enum class LinkKind : std::uint8_t {
   kShown,       // the answer to kShowAgain: the tick has been written again
   // Of a process whose ticks wait for ROS (TopicWatch).
   kArm,      // any text: the next message on each watched topic is to be told, unless that was done for this text
+  kShow,     // the tick whose text is armed is published: nodes may know of it before kTell
   kCollect,  // performs all that the other agents of the domain have sent
   kTell,     // a std_msgs/Header as CDR: writes it with the topics behind its text that have had messages since kArm:
              // "/anna/scan:1 /tf:2"; the answer is kTold, perhaps after kHeld

@@ -184,6 +184,9 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       PrepareToWait();
       domain_->BeginRound(TextOf(message.content));
       return Send(LinkKind::kArrived, kNothing, message.content);
+    case LinkKind::kShow:
+      if (domain_->gate) domain_->gate->Show();
+      return;
     case LinkKind::kAwait:
       awaited_ = ToIds(message.content);
       return;

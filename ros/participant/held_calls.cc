@@ -45,14 +45,13 @@ bool HeldCalls::HaveAllAnsweredOrCalled(std::set<std::string> missing) {
   return nodes == missing.size() && nodes <= unknown.size();
 }
 
-std::optional<HeldCalls::Time> HeldCalls::Update(const void* owner, const std::set<std::uint32_t>& awaited, Time now) {
+std::optional<HeldCalls::Time> HeldCalls::Update(std::set<std::string> missing, bool is_told, Time now) {
   std::vector<Call> arrived;
   {
     const std::lock_guard lock(mutex_);
     arrived.swap(arrived_);
   }
   if (arrived.empty() && waiting_.empty()) return std::nullopt;
-  const std::set<std::string> missing = owner != nullptr ? watch_.FindMissing(owner, awaited) : std::set<std::string>();
   for (Call& call : arrived) {
     bool may_be_node = false;
     const std::set<std::string> watched = watch_.WatchedOf(call.caller, may_be_node);
@@ -68,7 +67,8 @@ std::optional<HeldCalls::Time> HeldCalls::Update(const void* owner, const std::s
   }
   if (waiting_.empty()) return std::nullopt;
   const bool is_overdue = now - waiting_.front().since > kMaxWait;
-  if (!missing.empty() && !is_overdue && !HaveAllAnsweredOrCalled(missing)) return waiting_.front().since + kMaxWait;
+  const bool is_complete = missing.empty() || (is_told && HaveAllAnsweredOrCalled(std::move(missing)));
+  if (!is_complete && !is_overdue) return waiting_.front().since + kMaxWait;
   std::vector<Waiting> passed = std::exchange(waiting_, {});
   // Stable: calls of one program stay in the order in which it has made them.
   std::stable_sort(passed.begin(), passed.end(),

@@ -42,9 +42,10 @@ class HeldCalls {
 
   void Add(Call call);
   void Remove(const AgentEndpoints& agent);
-  // Passes on what need not wait. `owner` and `awaited`: the watches for which a tick waits that was told; null: none
-  // does. When it is to be called again in any case.
-  std::optional<Time> Update(const void* owner, const std::set<std::uint32_t>& awaited, Time now);
+  // Passes on what need not wait. `missing`: the topics and nodes that have not answered the tick that is shown; none:
+  // no tick waits. `is_told`: the tick waits for just these; else it may wait for some of them. When it is to be called
+  // again in any case.
+  std::optional<Time> Update(std::set<std::string> missing, bool is_told, Time now);
 
  private:
   struct Waiting {

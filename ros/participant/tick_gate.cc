@@ -63,6 +63,7 @@ bool TickGate::Arm(const std::string& text) {
   held_.clear();
   held_bytes_ = 0;
   told_.reset();
+  is_shown_ = false;
   asked_.clear();
   asked_at_ = Clock::now();
   present_at_ = show_again_at_ = Time::max();
@@ -128,10 +129,20 @@ void TickGate::Update() {
   due_.reset();
   const Time now = Clock::now();
   UpdateTick(now);
-  const bool waits = told_ && told_->is_written;
-  const std::optional<Time> calls_due =
-      calls_.Update(waits ? told_->agent : nullptr, waits ? told_->awaited : std::set<std::uint32_t>(), now);
-  if (calls_due) UpdateBy(*calls_due);
+  UpdateCalls(now);
+}
+
+// A node may call once it has one message of the tick: before the tick is told, while it is not known yet which
+// participants it waits for.
+void TickGate::UpdateCalls(Time now) {
+  const bool is_told = told_ && told_->is_written;
+  std::set<std::string> missing;
+  if (is_told) {
+    missing = watch_.FindMissing(told_->agent, told_->awaited);
+  } else if (is_shown_ && !is_closed_) {
+    missing = watch_.FindMissing();
+  }
+  if (const std::optional<Time> due = calls_.Update(std::move(missing), is_told, now)) UpdateBy(*due);
 }
 
 void TickGate::UpdateTick(Time now) {

@@ -61,6 +61,8 @@ class TickGate {
 
   // Messages are from now on of the tick with this text. False: they are already.
   bool Arm(const std::string& text);
+  // The agents may show the tick to nodes from now on.
+  void Show() { is_shown_ = true; }
   // A message of the agent's writer. `is_again`: it was shown again.
   void Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWriter& writer, std::span<const std::byte> bytes,
              bool is_again);
@@ -103,6 +105,7 @@ class TickGate {
   };
 
   void UpdateTick(Time now);
+  void UpdateCalls(Time now);
   std::vector<TopicWatch::Unheard> FindAwaited() const;
   // Whether all programs are there; tells the agent which are not.
   bool ArePresent(const std::vector<TopicWatch::Unheard>& unheard, Time now);
@@ -123,6 +126,7 @@ class TickGate {
   Round previous_;
   HeldCalls calls_;
   bool is_closed_ = false;
+  bool is_shown_ = false;
   std::vector<Held> held_;
   std::size_t held_bytes_ = 0;
   std::optional<Told> told_;         // of the tick that is shown

@@ -250,6 +250,15 @@ std::set<std::string> TopicWatch::FindMissing(const void* owner, const std::set<
   return missing;
 }
 
+std::set<std::string> TopicWatch::FindMissing() {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> missing;
+  for (const auto& [watched, watch] : watches_) {
+    if (!round_.arrived.contains(watched)) missing.insert(watched);
+  }
+  return missing;
+}
+
 std::set<std::string> TopicWatch::WatchedOf(dds_instance_handle_t program, bool& may_be_node) {
   const std::lock_guard lock(mutex_);
   std::set<std::string> watched;

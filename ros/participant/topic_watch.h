@@ -119,6 +119,8 @@ class TopicWatch {
   std::vector<std::string> ParameterServicesOf(dds_instance_handle_t program) const;
   // The topics and nodes among these watches without a message for the armed text.
   std::set<std::string> FindMissing(const void* owner, const std::set<std::uint32_t>& ids);
+  // Among all watches.
+  std::set<std::string> FindMissing();
   // What a program writes that is watched: topics, and the nodes that are known by their answers. `may_be_node`: it may
   // answer as a node that is not known.
   std::set<std::string> WatchedOf(dds_instance_handle_t program, bool& may_be_node);

@@ -113,7 +113,9 @@ std::string RosLockstepWait::TextOf(Edition edition, Tick tick) const {
 void RosLockstepWait::OnCommit(const FrameMessage& frame) {
   const std::lock_guard lock(mutex_);
   answers_.Withdraw();
-  if (frame.paused && ShowsTick(frame.state.tick)) Arm(TextOf(frame.edition, frame.state.tick));
+  if (!frame.paused || !ShowsTick(frame.state.tick)) return;
+  Arm(TextOf(frame.edition, frame.state.tick));
+  for (const auto& channel : channels_) channel->connection.Show();
 }
 
 void RosLockstepWait::OnShown(const FrameMessage& frame) {

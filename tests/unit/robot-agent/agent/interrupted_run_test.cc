@@ -238,7 +238,9 @@ TEST_F(InterruptedRunTest, ADeathAfterAnyWriteOfARewindLeavesTheRunBeforeItOrBeh
         const RobotId returned = FindRobot(now.scene->world(), deleted).value();
         EXPECT_THAT(orders.newcomers, testing::ElementsAre(returned)) << "it needs an agent";
         for (const auto& observer : resumed.value().recorders.observers) {
-          if (with_hashes && dies_again) EXPECT_TRUE(observer->OnEnd().ok());
+          if (with_hashes && dies_again) {
+            EXPECT_TRUE(observer->OnEnd().ok());
+          }
         }
         EXPECT_TRUE(!with_hashes || !dies_again || folder_.Read("resumed-hashes") == hashes);
       }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -19,6 +20,7 @@
 #include "ros/messages/messages.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/host_participant.h"
+#include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/binding/wire.h"
 
@@ -29,17 +31,20 @@ using test::Eventually;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// A process whose ticks wait for a topic, or for a node.
+using ResetClient = test::Client<simulation_interfaces_srv_dds__ResetSimulation_Request_,
+                                 simulation_interfaces_srv_dds__ResetSimulation_Response_>;
+
+// A process whose ticks wait for topics, or for nodes. It has a service.
 class WaitingRun {
  public:
-  WaitingRun(const test::HostParticipant& host, const std::string& watched)
+  WaitingRun(const test::HostParticipant& host, const std::vector<std::string>& watched)
       : connection_(host.Connect(HostConnection::Sending::kAtOnce)),
         node_(MakeNode(*connection_, "/", "world")),
         ticks_(connection_->MakeWriter(node_.index, {"rt/world/tick", Type(), Latched()})),
         answers_(
             connection_->MakeReader(node_.index, {"rt/world/tick_done", Type(), Stream(10)}, Part::kOnlyReader, {})) {
     connection_->WatchTopics([] {});
-    watch_ = connection_->Watch(watched);
+    for (const std::string& name : watched) watches_.insert(connection_->Watch(name));
     connection_->Announce();
   }
 
@@ -47,13 +52,13 @@ class WaitingRun {
     connection_->Arm(text);
     EXPECT_TRUE(Eventually([&] { return connection_->watched().armed == text; }));
   }
+  void Publish() { connection_->Show(); }
   void Tell(bool awaits = true) {
     dds::WireArena arena;
     Header header{};
     header.frame_id = arena.Copy("edition:4");
     connection_->Collect();
-    connection_->Tell(*ticks_, &header, *answers_,
-                      awaits ? std::set<std::uint32_t>{watch_} : std::set<std::uint32_t>());
+    connection_->Tell(*ticks_, &header, *answers_, awaits ? watches_ : std::set<std::uint32_t>());
   }
   bool is_told() { return connection_->watched().is_told; }
   bool IsTold() {
@@ -61,7 +66,15 @@ class WaitingRun {
   }
   // The tick is held back because no program is there that could answer.
   bool IsHeldForAbsent() {
-    return Eventually([this] { return connection_->watched().held_for == std::set<std::uint32_t>{watch_}; });
+    return Eventually([this] { return connection_->watched().held_for == watches_; });
+  }
+  bool IsAnswered() {
+    return Eventually([this] { return connection_->watched().arrived == watches_; });
+  }
+  // Of those that have called, in the order of their calls.
+  std::vector<std::uint64_t> callers() {
+    const std::lock_guard lock(mutex_);
+    return callers_;
   }
 
  private:
@@ -71,7 +84,15 @@ class WaitingRun {
   RosNode node_;
   std::unique_ptr<TopicWriter> ticks_;
   std::unique_ptr<TopicReader> answers_;
-  std::uint32_t watch_ = 0;
+  std::set<std::uint32_t> watches_;
+  std::mutex mutex_;
+  std::vector<std::uint64_t> callers_;
+  RosService<simulation_interfaces_srv_dds__ResetSimulation_Request_,
+             simulation_interfaces_srv_dds__ResetSimulation_Response_>
+      service_{node_, "/world/reset_simulation", [this](const RosCaller&, const auto& request) {
+                 const std::lock_guard lock(mutex_);
+                 callers_.push_back(request.client_guid);
+               }};
 };
 
 // An agent with a topic that has the time of a tick.
@@ -119,10 +140,12 @@ class ShowingAgent {
 // A program of ROS 2 that reads the topic and the ticks, and can have a writer of commands.
 class PlannerNode {
  public:
-  PlannerNode() : participant_(test::TestRosNetwork()) { participant_.Announce(); }
+  explicit PlannerNode(const std::string& plan = "/plan") : plan_(plan), participant_(test::TestRosNetwork()) {
+    participant_.Announce();
+  }
 
   void MakeCommands() {
-    commands_.emplace(node_, "/plan", Stream(1));
+    commands_.emplace(node_, plan_, Stream(1));
     parameters_.emplace(node_, "planner", Parameters{});
     participant_.Announce();
   }
@@ -130,6 +153,7 @@ class PlannerNode {
     EXPECT_TRUE(Eventually([this] { return commands_->wanted(); }));
     commands_->Write({});
   }
+  const RosParticipant& participant() const { return participant_; }
   std::vector<int> DrainTimes() {
     std::vector<int> times;
     odometry_.Drain([&times](const OdometryMessage& message) { times.push_back(message.header.stamp.sec); });
@@ -143,6 +167,7 @@ class PlannerNode {
   }
 
  private:
+  const std::string plan_;
   RosParticipant participant_;
   RosNode node_ = MakeNode(participant_, "/", "planner");
   RosReader<OdometryMessage> odometry_{node_, "/r0/odom", Stream(10)};
@@ -179,7 +204,7 @@ class TickGateTest : public testing::Test {
 };
 
 TEST_F(TickGateTest, ATickIsHeldBackUntilAProgramCanAnswerIt) {
-  WaitingRun run(host_, "rt/plan");
+  WaitingRun run(host_, {"rt/plan"});
   ASSERT_TRUE(agent_.IsWanted());
   run.Arm("run 1 0");
   agent_.Show(0);
@@ -199,14 +224,14 @@ TEST_F(TickGateTest, ATickIsHeldBackUntilAProgramCanAnswerIt) {
 }
 
 TEST_F(TickGateTest, ATickThatWaitsForNoneIsToldAtOnce) {
-  WaitingRun run(host_, "rt/plan");
+  WaitingRun run(host_, {"rt/plan"});
   run.Arm("run 1 0");
   run.Tell(false);
   EXPECT_TRUE(run.IsTold());
 }
 
 TEST_F(TickGateTest, AMessageOfATickIsWrittenOnceAndListedWithItsStamp) {
-  WaitingRun run(host_, "rt/plan");
+  WaitingRun run(host_, {"rt/plan"});
   ASSERT_TRUE(agent_.IsWanted());
   BeginWithAnswer(run);
   run.Arm("run 1 1");
@@ -223,7 +248,7 @@ TEST_F(TickGateTest, AMessageOfATickIsWrittenOnceAndListedWithItsStamp) {
 }
 
 TEST_F(TickGateTest, NoReaderThatComesLaterMakesAnAgentShowATickAgain) {
-  WaitingRun run(host_, "rt/plan");
+  WaitingRun run(host_, {"rt/plan"});
   ASSERT_TRUE(agent_.IsWanted());
   BeginWithAnswer(run);
   Publish(run, "run 1 1", 1);
@@ -236,6 +261,37 @@ TEST_F(TickGateTest, NoReaderThatComesLaterMakesAnAgentShowATickAgain) {
     return !times.empty() && times.back() == 2;
   }));
   EXPECT_THAT(times, ElementsAre(1, 2));
+}
+
+// A node may call as soon as it has one message of the tick.
+TEST_F(TickGateTest, CallsBeforeATickIsToldAreInTheOrderOfTheNamesOfTheCallers) {
+  WaitingRun run(host_, {"rt/first", "rt/second"});
+  ASSERT_TRUE(agent_.IsWanted());
+  PlannerNode first("/first");
+  PlannerNode second("/second");
+  ResetClient first_call(first.participant(), "/world/reset_simulation", 1);
+  ResetClient second_call(second.participant(), "/world/reset_simulation", 2);
+  run.Arm("run 1 0");
+  first.MakeCommands();
+  second.MakeCommands();
+  agent_.Show(0);
+  run.Tell();
+  EXPECT_TRUE(agent_.ShowsAgain(0));
+  EXPECT_TRUE(run.IsTold());
+  first.Command();
+  second.Command();
+  EXPECT_TRUE(run.IsAnswered());
+
+  run.Arm("run 1 1");
+  run.Publish();
+  agent_.Show(1);
+  second_call.Send({});
+  second_call.AwaitArrival();
+  run.Tell();
+  EXPECT_TRUE(run.IsTold());
+  first_call.Send({});
+  EXPECT_TRUE(Eventually([&] { return run.callers().size() == 2; }));
+  EXPECT_THAT(run.callers(), ElementsAre(1, 2));
 }
 
 // The agent of a robot that is driven.
@@ -263,7 +319,7 @@ class DrivenAgent {
 };
 
 TEST_F(TickGateTest, TheSuccessorOfAnAgentGetsTheCommandsOfTheTickAndOfNoOtherRun) {
-  WaitingRun run(host_, "rt/r0/cmd_vel");
+  WaitingRun run(host_, {"rt/r0/cmd_vel"});
   RosParticipant participant(test::TestRosNetwork());
   const RosNode driver = MakeNode(participant, "/", "driver");
   RosWriter<TwistMessage> commands(driver, "/r0/cmd_vel", Stream(10));
