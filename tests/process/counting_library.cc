@@ -13,7 +13,9 @@ class Counting final : public troupe::Controller {
   explicit Counting(const troupe::RobotInfo& info)
       : is_stuck_(info.parameters.find("stuck") != std::string::npos), number_(g_made++) {}
   troupe::Command Update(const troupe::Observation& observation) override {
-    for (volatile int i = 0; is_stuck_ && observation.tick >= 3; i = i + 1) {
+    volatile int count = 0;
+    while (is_stuck_ && observation.tick >= 3) {
+      count = count + 1;
     }
     troupe::Command command;
     command.twist.vx = 0.01 * number_;

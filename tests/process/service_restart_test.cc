@@ -82,7 +82,8 @@ TEST_F(ServiceRestartTest, ARunThatPlaysHasTheSameFiles) {
 TEST_F(ServiceRestartTest, TheSummaryCountsTheRobotsThatStoodStillBefore) {
   Program run = Start({"--paused", "--restart-agents", "0", "--on-agent-loss", "freeze", "--summary", Path("summary")});
   for (const pid_t child : ChildrenOf(run.pid())) {
-    if (CommandLineOf(child).find("--robot=r1") != std::string::npos) ASSERT_EQ(kill(child, SIGKILL), 0);
+    if (CommandLineOf(child).find("--robot=r1") == std::string::npos) continue;
+    ASSERT_EQ(kill(child, SIGKILL), 0);
   }
   const std::string command = run.WaitForLineAfter("to start it again:");
   run.WaitForLine("r1 has lost its agent");

@@ -206,7 +206,7 @@ TEST(TrafficPlanTest, ASearchFindsAWayIfThereIsOne) {
     ASSERT_TRUE(can || !found);
     solvable += can ? 1 : 0;
     missed += can && !found ? 1 : 0;
-    if (found) EXPECT_EQ(formation.place(0), goal);
+    EXPECT_TRUE(!found || formation.place(0) == goal);
   }
   EXPECT_GT(solvable, 100u);
   EXPECT_EQ(missed, 0u);
