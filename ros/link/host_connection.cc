@@ -285,6 +285,7 @@ void HostConnection::Unwatch(std::uint32_t watch) {
   Remove(watch);
   const std::lock_guard lock(mutex_);
   watched_.arrived.erase(watch);
+  watched_.arrived_before.erase(watch);
   watched_.timed.erase(watch);
   FlushNow();
 }
@@ -532,8 +533,10 @@ void HostConnection::ProcessWatched(const LinkMessage& message) {
     }
     return;
   }
-  if (watched_.armed != text) watched_.arrived.clear();
-  watched_.armed = text;
+  if (watched_.armed != text) {
+    watched_.armed_before = std::exchange(watched_.armed, text);
+    watched_.arrived_before = std::exchange(watched_.arrived, {});
+  }
   if (message.id != kNothing) watched_.arrived.insert(message.id);
 }
 

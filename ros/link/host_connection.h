@@ -84,8 +84,10 @@ class HostConnection final : public RosConnection {
   struct Watched {
     std::string armed;                // the newest text that the program knows
     std::set<std::uint32_t> arrived;  // watches with a message for that text
-    std::set<std::uint32_t> timed;    // watches of topics that a program writes which reads /clock
-    bool is_told = false;             // the newest Tell has been performed
+    std::string armed_before = {};    // the same of the text before
+    std::set<std::uint32_t> arrived_before = {};
+    std::set<std::uint32_t> timed;  // watches of topics that a program writes which reads /clock
+    bool is_told = false;           // the newest Tell has been performed
     // Until then: it is held back, if that is known, and the awaited watches without a program.
     std::optional<std::set<std::uint32_t>> held_for = {};
   };

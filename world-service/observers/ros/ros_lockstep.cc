@@ -109,6 +109,10 @@ std::string RosLockstepWait::TextOf(Edition edition, Tick tick) const {
   return fmt::format("{:016x} {} {}", run_, edition, tick);
 }
 
+std::string_view RosLockstepWait::TickIn(std::string_view text) {
+  return text.substr(text.rfind(' ') + 1);
+}
+
 // A message counts for a tick from before the agents see its frame on.
 void RosLockstepWait::OnCommit(const FrameMessage& frame) {
   const std::lock_guard lock(mutex_);
@@ -130,7 +134,7 @@ void RosLockstepWait::OnShown(const FrameMessage& frame) {
 
 void RosLockstepWait::Arm(const std::string& text) {
   if (armed_ == text) return;
-  armed_ = text;
+  armed_before_ = std::exchange(armed_, text);
   armed_at_ = Now();
   for (const auto& channel : channels_) channel->connection.Arm(text);
 }
@@ -273,7 +277,10 @@ bool RosLockstepWait::Advance() {
       const TickAnswers::Name name{channel->domain, watched_name};
       if (!TickAnswers::IsTopic(name)) continue;  // its answers are read below
       answers_.SetReadsClock(name, watched.timed.contains(watch), Now());
-      if (watched.armed == armed_ && watched.arrived.contains(watch)) answers_.OnAnswer(name, Now());
+      if (watched.armed != armed_) continue;
+      if (watched.arrived.contains(watch)) answers_.OnAnswer(name, Now());
+      const bool is_before_edit = watched.armed_before == armed_before_ && TickIn(armed_before_) == TickIn(armed_);
+      if (is_before_edit && watched.arrived_before.contains(watch)) answers_.OnAnswerBeforeEdit(name, Now());
     }
     ReadAnswers(*channel);
   }

@@ -25,6 +25,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -85,6 +86,7 @@ class RosLockstepWait {
   Channel& OpenChannel(std::uint32_t domain, std::vector<std::unique_ptr<Channel>>& before);
   void Arm(const std::string& text);
   std::string TextOf(Edition edition, Tick tick) const;
+  static std::string_view TickIn(std::string_view text);
   bool IsArmed() const;
   // Notes what has arrived. True: the run is to ask again.
   bool Advance();
@@ -108,7 +110,8 @@ class RosLockstepWait {
   std::vector<std::unique_ptr<Channel>> channels_;
   std::vector<std::unique_ptr<Channel>> unused_;
   TickAnswers answers_;
-  std::string armed_;  // the newest text
+  std::string armed_;         // the newest text
+  std::string armed_before_;  // the one before
   double armed_at_ = 0.0;
   Edition edition_ = 0;  // of the tick that was published last
   std::int64_t interval_ns_ = 0;

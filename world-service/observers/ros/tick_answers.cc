@@ -64,6 +64,11 @@ void TickAnswers::OnAnswer(const Name& name, double now) {
   if (are_complete()) ++participant.times_last;
 }
 
+void TickAnswers::OnAnswerBeforeEdit(const Name& name, double now) {
+  const auto found = participants_.find(name);
+  if (found != participants_.end() && found->second.follows_time) OnAnswer(name, now);
+}
+
 void TickAnswers::OnOtherAnswer(const Name& name) {
   const auto found = participants_.find(name);
   if (found == participants_.end() || found->second.answer == Answer::kDone) return;

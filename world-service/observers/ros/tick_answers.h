@@ -84,6 +84,9 @@ class TickAnswers {
 
   // The participant has answered the published tick; or something else.
   void OnAnswer(const Name& name, double now);
+  // It had answered the tick before that was edited, while it was awaited: the answer of one that follows the time
+  // counts, because it gives no other one.
+  void OnAnswerBeforeEdit(const Name& name, double now);
   void OnOtherAnswer(const Name& name);
   // Whether a program that writes on the topic reads /clock.
   void SetReadsClock(const Name& topic, bool reads_clock, double now);

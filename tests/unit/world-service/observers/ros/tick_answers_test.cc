@@ -154,8 +154,19 @@ TEST_F(TickAnswersTest, ATimerOfSimulatedTimeIsAwaitedWhenTheTimeHasAdvanced) {
   answers.Withdraw();
   Publish(answers, 3, 1004.0);  // edited before the answer
   EXPECT_THAT(Awaited(answers, 1004.0), ElementsAre("/r0/cmd_vel"));
+  answers.OnAnswerBeforeEdit(kTopic, 1004.0);  // which was not known yet
+  EXPECT_THAT(Awaited(answers, 1004.0), IsEmpty());
   Publish(answers, 0, 1005.0);  // reset
   EXPECT_THAT(Awaited(answers, 1005.0), IsEmpty());
+}
+
+TEST_F(TickAnswersTest, AnAnswerBeforeAnEditIsNoneForOneThatAnswersAgain) {
+  TickAnswers answers = Make({}, {kTopic});
+  Publish(answers, 1, 0.0);
+  answers.Withdraw();
+  Publish(answers, 1, 1.0);
+  answers.OnAnswerBeforeEdit(kTopic, 1.0);
+  EXPECT_THAT(Awaited(answers, 1.0), ElementsAre("/r0/cmd_vel"));
 }
 
 TEST_F(TickAnswersTest, TheLimitOfATickThatIsHeldBackIsThatOfThoseThatAreAbsent) {
