@@ -1,5 +1,6 @@
 #include "common/base/paths.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -44,6 +45,18 @@ std::string Fault(const std::string& path) {
   return status.st_size == 0 ? "empty" : "";
 }
 
+// The folder of the shared library that this code is in, if a program of another project has loaded it.
+std::optional<fs::path> LibraryFolder() {
+#ifndef __EMSCRIPTEN__
+  Dl_info code{};
+  std::error_code failure;
+  if (dladdr(reinterpret_cast<const void*>(&LibraryFolder), &code) == 0) return std::nullopt;
+  const fs::path file = fs::canonical(code.dli_fname, failure);
+  if (!failure && !fs::equivalent(file, "/proc/self/exe", failure) && !failure) return file.parent_path();
+#endif
+  return std::nullopt;
+}
+
 }  // namespace
 
 AllowedPaths AllowedPaths::All() {
@@ -76,7 +89,18 @@ Result<std::string> ProgramFolder() {
 std::string InstalledFolder(const std::string& name) {
   const Result<std::string> programs = ProgramFolder();
   if (!programs.ok()) return {};
-  return (std::filesystem::path(programs.value()).parent_path() / "share/troupe" / name).string();
+  const fs::path beside_program = fs::path(programs.value()).parent_path() / "share/troupe" / name;
+  std::vector<fs::path> folders = {beside_program};
+  if (const std::optional<fs::path> library = LibraryFolder()) {
+    folders.push_back(library->parent_path() / "share/troupe" / name);                // lib
+    folders.push_back(library->parent_path().parent_path() / "share/troupe" / name);  // lib/ARCHITECTURE
+    folders.push_back(*library / name);  // a package for Python, with all that it needs
+  }
+  for (const fs::path& folder : folders) {
+    std::error_code failure;
+    if (fs::is_directory(folder, failure)) return folder.string();
+  }
+  return beside_program.string();
 }
 
 std::string InstalledWorldsFolder() {

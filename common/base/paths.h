@@ -42,8 +42,8 @@ class AllowedPaths {
 // Where the running program is.
 Result<std::string> ProgramFolder();
 
-// "PREFIX/share/troupe/NAME" for a program in PREFIX/bin, whether it is there or not; empty if the program's is
-// unknown.
+// "PREFIX/share/troupe/NAME" for a program in PREFIX/bin, or for the library libtroupe if that has the folder and the
+// program has not. It may not be there; empty if the program's is unknown.
 std::string InstalledFolder(const std::string& name);
 
 // The folder "worlds" of the installation; empty if there is none.
