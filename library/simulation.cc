@@ -22,8 +22,10 @@
 #include "common/model/proposal.h"
 #include "common/model/states.h"
 #include "common/spatial/body_index.h"
+#include "common/spatial/check_order.h"
 #include "common/spatial/scene.h"
 #include "library/save_picture.h"
+#include "library/simulation_content.h"
 #include "robot-agent/controller/create_controller.h"
 #include "robot-agent/drive/drive.h"
 #include "robot-agent/robot/robot.h"
@@ -48,34 +50,6 @@ Result<std::vector<std::unique_ptr<Robot>>> CreateRobots(const Scene& scene) {
 
 }  // namespace
 
-// The members of a simulation and of a snapshot.
-
-// Never changes once it is in a snapshot.
-struct Snapshot::Content {
-  std::shared_ptr<const Scene> scene;          // shared by a simulation and its snapshots; robots point into it
-  std::shared_ptr<const WorldState> state;     // never null
-  std::vector<Event> events;                   // of the last tick
-  std::vector<std::unique_ptr<Robot>> robots;  // by id
-  std::vector<ExternalCommand> commands;       // by id
-  std::vector<std::string> failures;
-
-  // The error is a controller that cannot be copied.
-  Result<Content> Copy() const;
-};
-
-struct Simulation::Impl {
-  explicit Impl(Snapshot::Content start);
-
-  // Replaces the present content; `bodies` follow.
-  void Assign(Snapshot::Content content);
-
-  Snapshot::Content now;
-  BodyIndex bodies;  // at now.state between calls
-  std::vector<Warning> warnings;
-  std::vector<Proposal> proposals;   // of one step
-  std::vector<std::string> reports;  // since the last call of Step began
-};
-
 Simulation::Impl::Impl(Snapshot::Content start) : now(std::move(start)), bodies(*now.scene) {
   bodies.Assign(*now.state);
 }
@@ -94,15 +68,28 @@ Simulation& Simulation::operator=(Simulation&& other) noexcept = default;
 Simulation::~Simulation() = default;
 
 Result<Simulation> Simulation::Load(const std::string& file, const SimulationOptions& options) {
+  return LoadFrom({file}, options);
+}
+
+Result<Simulation> Simulation::LoadScenario(const std::string& text, const std::string& path,
+                                            const SimulationOptions& options) {
+  return LoadFrom({path, text}, options);
+}
+
+Result<Simulation> Simulation::LoadFrom(WorldSource source, const SimulationOptions& options) {
   LoadOverrides overrides;
   overrides.seed = options.seed;
   overrides.controller = options.controller;
   if (options.run_controllers) overrides.check_controller = CheckController;
   if (options.run_controllers) overrides.check_in_world = CheckControllerNeeds;
-  Result<LoadedWorld> loaded = LoadWorld(file, overrides);
+  Result<LoadedWorld> loaded = LoadWorld(source, overrides);
   if (!loaded.ok()) return loaded.error();
   Result<Simulation> simulation = Make(std::move(loaded.value().world), options);
-  if (simulation.ok()) simulation.value().impl_->warnings = std::move(loaded.value().warnings);
+  if (!simulation.ok()) return simulation;
+  Impl& impl = *simulation.value().impl_;
+  impl.warnings = std::move(loaded.value().warnings);
+  impl.now.origin = std::make_shared<const SimulationOrigin>(
+      SimulationOrigin{std::move(source), options.controller, options.run_controllers});
   return simulation;
 }
 
@@ -132,7 +119,13 @@ Result<Simulation> Simulation::AtState(const std::shared_ptr<const Scene>& scene
                                        std::shared_ptr<const WorldState> state, std::vector<Event> events) {
   Result<std::vector<std::unique_ptr<Robot>>> robots = CreateRobots(*scene);
   if (!robots.ok()) return robots.error();
-  Snapshot::Content start{scene, std::move(state), std::move(events), std::move(robots).value(), {}, {}};
+  Snapshot::Content start;
+  start.origin = std::make_shared<const SimulationOrigin>();
+  start.robot_scenes.push_back(scene);
+  start.scene = scene;
+  start.state = std::move(state);
+  start.events = std::move(events);
+  start.robots = std::move(robots).value();
   start.commands.resize(start.robots.size());
   return Simulation(std::make_unique<Impl>(std::move(start)));
 }
@@ -161,6 +154,7 @@ void Simulation::StepOnce() {
   impl_->proposals.clear();
   for (std::size_t i = 0; i < now.robots.size(); ++i) {
     Robot& robot = *now.robots[i];
+    if (!RobotExists(world(), robot.id())) continue;
     const bool worked = robot.failure().empty();
     Proposal proposal = robot.Decide(state, impl_->bodies, now.commands[i]);
     // The motion lasts until another command; all else of a command is executed once.
@@ -189,7 +183,8 @@ void Simulation::StepOnce() {
     if (!robot.report().empty()) report(robot.report());
   }
   // All robots have decided by the state before the step: none sees another's new pose.
-  StepResult next = troupe::Step(*now.scene, state, impl_->proposals, impl_->bodies);
+  const std::vector<Input> inputs = ByKind(std::exchange(now.inputs, {}));
+  StepResult next = troupe::Step(*now.scene, state, impl_->proposals, impl_->bodies, nullptr, inputs);
   // A new object for each tick: arrays of Python and snapshots keep the states that they show.
   now.state = std::make_shared<const WorldState>(std::move(next.state));
   now.events = std::move(events);
@@ -316,7 +311,7 @@ Tick Snapshot::tick() const {
 }
 
 Result<Snapshot::Content> Snapshot::Content::Copy() const {
-  Content copy{scene, state, events, {}, commands, failures};
+  Content copy{origin, robot_scenes, scene, state, events, {}, commands, inputs, goals, failures};
   copy.robots.reserve(robots.size());
   for (const std::unique_ptr<Robot>& robot : robots) {
     Result<std::unique_ptr<Robot>> clone = robot->Clone();

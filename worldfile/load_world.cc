@@ -69,7 +69,9 @@ bool IsFile(const std::string& source) {
 }
 
 // The defines of models, and the controller of robots without one.
-Result<ScenarioWorld> ReadDefinitions(const std::string& path, const LoadOverrides& overrides) {
+Result<ScenarioWorld> ReadDefinitions(const WorldSource& source, const LoadOverrides& overrides) {
+  const std::string& path = source.path;
+  if (source.scenario) return ReadScenarioWorldText(*source.scenario, path, overrides);
   if (EndingOf(path) == ".json" && !IsLayoutPath(path, overrides.allowed)) return ReadScenarioWorld(path, overrides);
   Result<WorldTree> tree =
       EndingOf(path) == ".inc" ? ParseStageWorld(path, overrides.allowed) : ReadWorldTree(path, overrides.allowed);
@@ -94,8 +96,8 @@ Result<WorldNode> MakeModel(const WorldTree& tree, const std::string& name) {
   return made;
 }
 
-Result<LoadedWorld> BuildOne(const std::string& path, const std::string& name, const LoadOverrides& overrides) {
-  Result<ScenarioWorld> definitions = ReadDefinitions(path, overrides);
+Result<LoadedWorld> BuildOne(const WorldSource& source, const std::string& name, const LoadOverrides& overrides) {
+  Result<ScenarioWorld> definitions = ReadDefinitions(source, overrides);
   if (!definitions.ok()) return definitions.error();
   WorldTree& tree = definitions.value().tree;
   Result<WorldNode> model = MakeModel(tree, name);
@@ -130,8 +132,15 @@ Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& over
   return loaded;
 }
 
+Result<LoadedWorld> LoadWorld(const WorldSource& source, const LoadOverrides& overrides) {
+  if (!source.scenario) return LoadWorld(source.path, overrides);
+  Result<LoadedWorld> loaded = LoadScenarioText(*source.scenario, source.path, overrides);
+  if (loaded.ok()) AppendPlacementWarnings(source.path, loaded.value());
+  return loaded;
+}
+
 Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides) {
-  const Result<ScenarioWorld> definitions = ReadDefinitions(world_file, overrides);
+  const Result<ScenarioWorld> definitions = ReadDefinitions({world_file}, overrides);
   if (!definitions.ok()) return definitions.error();
   const WorldTree& tree = definitions.value().tree;
   std::vector<Spawnable> found;
@@ -146,13 +155,12 @@ Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, con
   return found;
 }
 
-Result<LoadedWorld> LoadSpawnable(const std::string& world_file, const std::string& source,
-                                  const LoadOverrides& overrides) {
+Result<LoadedWorld> LoadSpawnable(const WorldSource& world, const std::string& source, const LoadOverrides& overrides) {
   if (source.empty()) return Error{{}, "found nothing to spawn, expected a model or a file"};
   const std::size_t hash = source.rfind('#');
   const std::string file = source.substr(0, hash);
-  if (!IsFile(file)) return BuildOne(world_file, source, overrides);
-  if (hash != std::string::npos) return BuildOne(file, source.substr(hash + 1), overrides);
+  if (!IsFile(file)) return BuildOne(world, source, overrides);
+  if (hash != std::string::npos) return BuildOne({file}, source.substr(hash + 1), overrides);
   Result<LoadedWorld> loaded = LoadFile(file, overrides);
   if (!loaded.ok()) return loaded;
   const std::vector<ModelDescription>& models = loaded.value().world.models;

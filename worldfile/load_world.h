@@ -6,6 +6,7 @@
 // they include. Any thread; a large map takes seconds.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,13 @@ namespace troupe {
 // by the file's ending.
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides = {});
 
+// The file of a world, or the text of a scenario.
+struct WorldSource {
+  std::string path;
+  std::optional<std::string> scenario = {};  // in place of the content of the file; `path` is then for messages
+};
+Result<LoadedWorld> LoadWorld(const WorldSource& source, const LoadOverrides& overrides = {});
+
 // Models that can be added to a running world: models of its world file, and files with one model.
 
 // A type or define that gives a model.
@@ -29,10 +37,10 @@ struct Spawnable {
 // The robots and plain models that `world_file` and its includes define, by name; and the types of these two.
 Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides = {});
 
-// A world with only the model to be spawned. `source`: a name as above, a file (.world, .inc, .json) that has one
-// model with its parts, or "FILE#NAME": a model that this file defines. Robots have the controller that they would have
-// in the world file.
-Result<LoadedWorld> LoadSpawnable(const std::string& world_file, const std::string& source,
+// A world with only the model to be spawned. `world`: where its models are defined. `source`: a name as above, a file
+// (.world, .inc, .json) that has one model with its parts, or "FILE#NAME": a model that this file defines. Robots have
+// the controller that they would have in the world file.
+Result<LoadedWorld> LoadSpawnable(const WorldSource& world, const std::string& source,
                                   const LoadOverrides& overrides = {});
 
 }  // namespace troupe

@@ -18,9 +18,11 @@
 #include "troupe/controller.h"
 #include "troupe/event.h"
 #include "troupe/ids.h"
+#include "troupe/order.h"
 #include "troupe/picture_options.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
+#include "troupe/robot_command.h"
 #include "troupe/sensor.h"
 #include "troupe/world_description.h"
 #include "troupe/world_state.h"
@@ -29,7 +31,9 @@ namespace troupe {
 
 class Scene;
 class Simulation;
-struct TickView;  // testing/expectations/tick_view.h
+struct EditedWorld;  // world-service/core/edit_world.h
+struct TickView;     // testing/expectations/tick_view.h
+struct WorldSource;  // worldfile/load_world.h
 
 struct SimulationOptions {
   std::optional<std::uint64_t> seed;      // of all random numbers; nothing: the file's
@@ -69,6 +73,9 @@ class Simulation {
   // Loads a Stage world (.world), a scenario (.json) or a ROS map (.yaml). The error names the place in the file, or
   // the controller that cannot be made.
   static Result<Simulation> Load(const std::string& file, const SimulationOptions& options = {});
+  // The same for the text of a scenario. `path` names it in messages, and paths in it start at that file's folder.
+  static Result<Simulation> LoadScenario(const std::string& text, const std::string& path,
+                                         const SimulationOptions& options = {});
   // The same for a world that was built in memory; `options.seed` and `options.controller` do not count. The error is a
   // description that is not valid, or a controller that cannot be made.
   static Result<Simulation> Create(WorldDescription world, const SimulationOptions& options = {});
@@ -77,7 +84,7 @@ class Simulation {
   Simulation& operator=(Simulation&& other) noexcept;
   ~Simulation();
 
-  // Constant, until a snapshot is restored.
+  // Constant, until a snapshot is restored or an entity changes.
   const WorldDescription& world() const;
   std::optional<RobotId> FindRobot(const std::string& name) const;
   // What the file's author should know; in the order of the file.
@@ -126,6 +133,29 @@ class Simulation {
   // Returns the robot to its controller.
   void Release(RobotId robot);
 
+  // Changes from outside, between two ticks: those of `troupe ctl`, `goto` and the page. The same ones at the same
+  // ticks give the hashes of such a run. On an error nothing has changed. Bodies, sensors and events are those of the
+  // changed state at once.
+
+  // Sends a robot to the goal, whose number does not count, until the next one. The error is a controller that accepts
+  // no goals, or a goal that it cannot reach, with the reason.
+  Status SendTo(RobotId robot, Goal goal);
+  void CancelGoal(RobotId robot);
+  // An order to a door, a lift or a light, or a twist, for the next tick.
+  Status AddInput(const Input& input);
+  // X_WE of an entity: a robot, an object, a person or a static model. The error is an unknown name.
+  Result<Pose> FindPose(const std::string& entity) const;
+  // Places an entity. What a robot holds falls. The error's code is
+  // kNoRoom where something stands, and kBadInput for an unknown name.
+  Status SetPose(const std::string& entity, const Pose& X_WE);
+  // Adds an entity behind all others, and returns its name: a model of the world's file, or a file with one model, or
+  // FILE#NAME. Without `name` it gets a free one. A robot has the controller that it has there, or `controller`. The
+  // errors are those of SetPose, a name in use, those of the file, and those of the controller.
+  Result<std::string> Spawn(const std::string& source, const Pose& X_WE, const std::string& name = "",
+                            const std::optional<ControllerDescription>& controller = {});
+  // Removes an entity. It keeps its place in the lists of the world and the state.
+  Status Delete(const std::string& entity);
+
   // The error names a controller that cannot be copied (Controller::Clone).
   Result<Snapshot> Save() const;
   // Continues from `snapshot`, which may be of another simulation, and may be restored any number of times. The same
@@ -154,10 +184,12 @@ class Simulation {
   struct Impl;
   explicit Simulation(std::unique_ptr<Impl> impl);
   static Result<Simulation> Make(WorldDescription world, const SimulationOptions& options);
+  static Result<Simulation> LoadFrom(WorldSource source, const SimulationOptions& options);
   static Result<Simulation> AtState(const std::shared_ptr<const Scene>& scene, std::shared_ptr<const WorldState> state,
                                     std::vector<Event> events);
   std::shared_ptr<const Scene> scene() const;
   void StepOnce();
+  Status Follow(Result<EditedWorld> edited);
 
   std::unique_ptr<Impl> impl_;  // null only after a move
 };

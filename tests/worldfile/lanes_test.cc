@@ -353,7 +353,7 @@ TEST(Lanes, AreThoseOfTheWorldForSpawnedRobots) {
   overrides.check_controller = CheckController;
   overrides.check_in_world = CheckControllerNeeds;
   const auto scene = std::make_shared<const Scene>(ValueOf(LoadWorld(building, overrides)).world);
-  WorldDescription robot = ValueOf(LoadSpawnable(building, "TinyRobot", overrides)).world;
+  WorldDescription robot = ValueOf(LoadSpawnable({building}, "TinyRobot", overrides)).world;
   ASSERT_EQ(robot.robots.size(), 1u);
   EXPECT_EQ(robot.robots[0].controller.name, "lanes");
   robot.robots[0].controller.parameters = R"({"places": ["corridor"], "repeat": false})";

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -335,6 +337,25 @@ WorldDescription ExtractEntity(const WorldDescription& world, ModelId root) {
     if (object == root) entity.objects.push_back(models.at(object));
   }
   return entity;
+}
+
+std::string FreeName(const WorldDescription& world, const std::string& base) {
+  // Names of all models count, not only of roots: a request or an event may name a child, too.
+  std::set<std::string> names;
+  for (const ModelDescription& model : world.models) {
+    if (!model.removed) names.insert(model.name);
+  }
+  if (!names.contains(base)) return base;
+  for (std::size_t number = 0;; ++number) {
+    std::string name = base + std::to_string(number);
+    if (!names.contains(name)) return name;
+  }
+}
+
+std::string NameOfSource(const std::string& source) {
+  const std::size_t hash = source.rfind('#');
+  if (hash != std::string::npos) return source.substr(hash + 1);
+  return std::filesystem::path(source).stem().string();
 }
 
 Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,

@@ -49,6 +49,12 @@ Status CheckIsMovable(const WorldDescription& world, ModelId root);
 Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                                  const std::string& name);
 
+// "base", or "base0", "base1", ...: the first that no model has.
+std::string FreeName(const WorldDescription& world, const std::string& base);
+// "scout" of "scout", "robots/scout.inc" or "robots.inc#scout": the base of the name of an entity that is spawned from
+// there.
+std::string NameOfSource(const std::string& source);
+
 // Adds the only entity of the world `spawned`, called `name`. The error is a name in use, a pose as in SetPose, or a
 // world with another number of entities than one.
 Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,

@@ -264,19 +264,6 @@ void SetSaid(const Event& said, EntityReport& entity) {
   json.BeginObject().Member("tick", said.tick).Member("text", said.detail).EndObject();
 }
 
-std::string FreeName(const WorldDescription& world, const std::string& base) {
-  // Names of all models count, not only of roots: a request or an event may name a child, too.
-  std::set<std::string> names;
-  for (const ModelDescription& model : world.models) {
-    if (!model.removed) names.insert(model.name);
-  }
-  if (!names.contains(base)) return base;
-  for (std::size_t number = 0;; ++number) {
-    std::string name = base + std::to_string(number);
-    if (!names.contains(name)) return name;
-  }
-}
-
 void SetBoxes(const WorldDescription& world, const WorldState& state, std::vector<EntityReport>& entities) {
   std::map<std::string, EntityReport*> by_name;
   for (EntityReport& entity : entities) {

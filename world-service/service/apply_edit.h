@@ -70,9 +70,6 @@ void SetSignals(const WorldDescription& world, const WorldState& state, EntityRe
 // Adds the last words of a robot's controller to its signals: a line "said {"tick":N,"text":"..."}".
 void SetSaid(const Event& said, EntityReport& entity);
 
-// "base", or "base0", "base1", ...: the first that is free.
-std::string FreeName(const WorldDescription& world, const std::string& base);
-
 // Sets the box of each of `entities`, which are of the world. REQUIRES: the state belongs to the world.
 // A box is in the frame E of its entity, over all its models; an entity without a shape has an empty box at its origin.
 // Costs one pass over all models, so a request has to ask for it.

@@ -131,7 +131,7 @@ Result<RequestedFile> ReadWorld(const ServiceOptions& options, const control::Lo
 Result<RequestedFile> ReadSpawned(const ServiceOptions& options, const control::Spawn& request) {
   Result<Source> source = SourceOf(options, request.source, request.text);
   if (!source.ok()) return source.error();
-  Result<LoadedWorld> loaded = LoadSpawnable(options.world_file, source.value().path, source.value().overrides);
+  Result<LoadedWorld> loaded = LoadSpawnable({options.world_file}, source.value().path, source.value().overrides);
   if (!loaded.ok()) return FlattenPlace(loaded.error());
   WorldDescription& spawned = loaded.value().world;
   if (Status status = SetController(options, request, spawned); !status.ok()) return status.error();

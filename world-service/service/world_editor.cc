@@ -12,13 +12,6 @@
 namespace troupe {
 namespace {
 
-// "scout" of "scout", "robots/scout.inc" or "robots.inc#scout".
-std::string NameOfSource(const std::string& source) {
-  const std::size_t hash = source.rfind('#');
-  if (hash != std::string::npos) return source.substr(hash + 1);
-  return std::filesystem::path(source).stem().string();
-}
-
 // The name of the entity that a request spawns.
 std::string SpawnName(const WorldDescription& world, const control::Spawn& spawn) {
   if (spawn.name.empty()) return FreeName(world, NameOfSource(spawn.source));

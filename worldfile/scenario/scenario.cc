@@ -258,10 +258,15 @@ Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
 }
 
 Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides) {
-  const ScenarioTools tools;
   const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
   if (!text.ok()) return text.error();
-  const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, tools);
+  return ReadScenarioWorldText(text.value(), path, overrides);
+}
+
+Result<ScenarioWorld> ReadScenarioWorldText(const std::string& text, const std::string& path,
+                                            const LoadOverrides& overrides) {
+  const ScenarioTools tools;
+  const Result<ScenarioFile> file = ReadText(text, path, overrides, tools);
   if (!file.ok()) return file.error();
   Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
   if (!tree.ok()) return tree.error();

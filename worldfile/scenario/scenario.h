@@ -39,6 +39,9 @@ struct ScenarioWorld {
   std::map<std::string, std::uint32_t> ros_domains_from;  // first of the ROS domains of a spawn rule, by its model
 };
 Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides = {});
+// The same from text, as LoadScenarioText.
+Result<ScenarioWorld> ReadScenarioWorldText(const std::string& text, const std::string& path,
+                                            const LoadOverrides& overrides = {});
 
 // The tree of the world that a scenario makes, with its own models and robots, and with the spawned ones, which have no
 // place yet. `path` names the text in messages; relative paths start at its folder.

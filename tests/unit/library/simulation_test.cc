@@ -317,5 +317,57 @@ TEST_F(DrivenSnapshotTest, IsRefusedWhereAControllerCannotBeCopied) {
   EXPECT_EQ(simulation.tick(), 2u);
 }
 
+TEST_F(SimulationTest, ChangesFromOutsideAreThoseOfARun) {
+  SmallWorld small;
+  const RobotId first = small.AddRobot("first", {});
+  small.AddBox("wall", 3.0, 0.0, 1.0, 9.0, {0.0, 1.0});
+  small.SetController(first, "go_to", "{}");
+  Simulation simulation = Create(small.world());
+  EXPECT_THAT(simulation.SendTo(first, {}).error().message, HasSubstr("found a goal with 0 points"));
+  EXPECT_THAT(simulation.SendTo(first, {.waypoints = {{3.0, 0.0}}}).error().message,
+              HasSubstr("cannot reach the goal"));
+  EXPECT_TRUE(simulation.SendTo(first, {.waypoints = {{-1.0, 0.0}}}).ok());
+  simulation.Step(60);
+  EXPECT_NEAR(simulation.pose(first).x, -1.0, 0.2);
+
+  EXPECT_THAT(simulation.SetPose("first", {3.0, 0.0, 0.0, 0.0}).error().message, HasSubstr("would be inside 'wall'"));
+  EXPECT_TRUE(simulation.SetPose("first", {0.0, 1.0, 0.0, 0.0}).ok());
+  EXPECT_EQ(simulation.FindPose("first").value(), simulation.pose(first));
+  EXPECT_EQ(simulation.FindPose("second").error().code, ErrorCode::kBadInput);
+  EXPECT_TRUE(simulation.AddInput({first, TwistOrder{{0.5, 0.0, 0.0}}}).ok());
+  EXPECT_FALSE(simulation.AddInput({{}, DoorOrder{0, 1.0}}).ok());
+  simulation.CancelGoal(first);
+  simulation.Step();
+  EXPECT_GT(simulation.state().robots[0].twist.vx, 0.0);
+
+  const Result<Snapshot> saved = simulation.Save();
+  ASSERT_TRUE(saved.ok());
+  // A world from memory has no file with models.
+  EXPECT_FALSE(simulation.Spawn("position", {0.0, -2.0, 0.0, 0.0}).ok());
+  EXPECT_TRUE(simulation.Delete("first").ok());
+  simulation.Step(5);
+  EXPECT_FALSE(simulation.FindPose("first").ok());
+  const std::uint64_t hash = simulation.state_hash();
+  ASSERT_TRUE(simulation.Restore(saved.value()).ok());
+  EXPECT_TRUE(simulation.FindPose("first").ok());
+  EXPECT_NE(simulation.state_hash(), hash);
+}
+
+TEST(SimulationText, IsAScenarioWithTheModelsThatItNames) {
+  const std::string text =
+      R"({"include": ["robots.inc"], "robots": [{"name": "a", "model": "scout", "pose": [0, 0, 0]}]})";
+  const std::string path = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/include/none.json";
+  Result<Simulation> simulation = Simulation::LoadScenario(text, path);
+  ASSERT_TRUE(simulation.ok()) << simulation.error().ToString();
+  const Result<std::string> spawned = simulation.value().Spawn("scout", {1.0, 1.0, 0.0, 0.0});
+  ASSERT_TRUE(spawned.ok()) << spawned.error().ToString();
+  EXPECT_EQ(spawned.value(), "scout");
+  EXPECT_EQ(simulation.value().Spawn("scout", {-1.0, 1.0, 0.0, 0.0}).value(), "scout0");
+  simulation.value().Step(3);
+  EXPECT_EQ(simulation.value().world().robots.size(), 3u);
+  const Result<Simulation> bad = Simulation::LoadScenario(R"({"robotos": []})", path);
+  EXPECT_EQ(bad.error().where.file, path);
+}
+
 }  // namespace
 }  // namespace troupe
