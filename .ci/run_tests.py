@@ -44,6 +44,7 @@ EXPECTED = (
     (r"no slurmctld", is_missing("/usr/sbin/slurmctld")),
     (r"no buildah", is_missing("/usr/bin/buildah")),
     (r"no module yaml", is_missing("/usr/lib/python3/dist-packages/yaml")),
+    (r"no mypy", is_missing("/usr/bin/mypy")),
     (r"no emscripten", lambda: not shutil.which("em++") or is_missing("build/wasm-root/yaml-cpp")()),
     (r"no build of the preset gcc", is_missing("build/gcc/bin/troupe-core")),
     (r"no build of the preset arm64",

@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,10 +25,10 @@ std::string PathOf(const py::object& file) {
   return py::module_::import("os").attr("fsdecode")(file).cast<std::string>();
 }
 
-SimulationOptions OptionsOf(const py::object& seed, std::optional<std::string> controller, bool run_controllers) {
+SimulationOptions OptionsOf(const py::object& seed, const py::object& controller, bool run_controllers) {
   SimulationOptions options;
   if (!seed.is_none()) options.seed = ToSeed(seed, "seed");
-  options.controller = std::move(controller);
+  options.controller = ControllerName(controller);
   options.run_controllers = run_controllers;
   return options;
 }
@@ -69,15 +70,17 @@ void Release(const WorldPointer& world, const py::object& robot) {
 
 void DefineSteps(SimulationClass& simulation) {
   simulation
-      .def(py::init([](const py::object& file, const py::object& seed, std::optional<std::string> controller,
-                       bool run_controllers) {
-             return World::Load(PathOf(file), OptionsOf(seed, std::move(controller), run_controllers));
-           }),
-           "file"_a, py::kw_only(), "seed"_a = py::none(), "controller"_a = py::none(), "run_controllers"_a = true,
-           R"(Loads a Stage world (.world), a scenario (.json) or a ROS map (.yaml).
+      .def(
+          py::init(
+              [](const py::object& world, const py::object& seed, const py::object& controller, bool run_controllers) {
+                const SimulationOptions options = OptionsOf(seed, controller, run_controllers);
+                return World::Load(WorldInput(world, options.seed), options);
+              }),
+          "world"_a, py::kw_only(), "seed"_a = py::none(), "controller"_a = py::none(), "run_controllers"_a = true,
+          R"(Loads a Stage world (.world), a scenario (.json) or a ROS map (.yaml); or a scenario as a dict, or a troupe.World.
 
-seed: of all random numbers, in place of the file's. controller: for robots to which the file gives none; by default they
-stand still. run_controllers=False: no robot has a controller, each stands still until it is driven.
+seed: of all random numbers, in place of the file's. controller: for robots to which the world gives none, a name or a
+class; by default they stand still. run_controllers=False: no robot has a controller, each stands still until it is driven.
 
 Raises InputError with file, line and column.)")
       .def(
@@ -107,6 +110,145 @@ else of a Command is executed once: grippers, joints, messages, orders, and the 
           "restore", [](const WorldPointer& world, const SnapshotPointer& snapshot) { world->Restore(*snapshot); },
           py::arg("snapshot").none(false),
           "Continues from a snapshot, of this or of another simulation: the same steps give the same hashes.");
+}
+
+// A name or a number of one of `things`, the names of a table.
+std::size_t FindThing(World& world, const char* table, const py::object& thing) {
+  const StateTable& rows = FindTable(table);
+  const SignalView view = world.view();
+  const std::size_t count = rows.rows(view.world, view.state);
+  const std::size_t kind = KindOf(table);
+  const auto number = [&](std::size_t row) { return view.things.first(kind) + static_cast<ThingId>(row); };
+  if (!py::isinstance<py::str>(thing)) {
+    const std::size_t index = ToIndex(thing, table);
+    if (index < count) return index;
+    throw py::index_error(fmt::format("{}: found {}, expected one of {}", table, index, count));
+  }
+  const auto name = thing.cast<std::string>();
+  std::vector<std::string> names;
+  for (std::size_t row = 0; row < count; ++row) {
+    if (!view.things.exists(number(row))) continue;
+    names.push_back(view.things.name(number(row)));
+    if (names.back() == name) return row;
+  }
+  throw py::value_error(fmt::format("{}: found '{}', expected {}", table, name,
+                                    names.empty() ? "a world with one" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+// A pose (x, y, heading) or (x, y, z, heading); without z at `z`.
+Pose ToPose(const py::object& value, double z) {
+  const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
+  if (!numbers) PyErr_Clear();
+  if (!numbers || numbers.ndim() != 1 || (numbers.size() != 3 && numbers.size() != 4)) {
+    throw py::value_error("pose: expected (x, y, heading) or (x, y, z, heading), in m and rad");
+  }
+  const double* const at = numbers.data();
+  return numbers.size() == 3 ? Pose{at[0], at[1], z, at[2]} : Pose{at[0], at[1], at[2], at[3]};
+}
+
+// A point, or points one after another: (x, y) or (x, y, z) each.
+Goal ToGoal(const py::object& points, const py::object& heading) {
+  const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(points);
+  if (!numbers) PyErr_Clear();
+  const py::ssize_t columns = !numbers || numbers.ndim() < 1 ? 0 : numbers.shape(numbers.ndim() - 1);
+  if (!numbers || numbers.ndim() > 2 || (columns != 2 && columns != 3)) {
+    throw py::value_error("goal: expected a point (x, y) or (x, y, z), in m, or a list of such points");
+  }
+  Goal goal;
+  for (const double* at = numbers.data(); at != numbers.data() + numbers.size(); at += columns) {
+    goal.waypoints.emplace_back(at[0], at[1]);
+    if (columns == 3) goal.heights.push_back(at[2]);
+  }
+  if (!heading.is_none()) goal.heading = ToNumber(heading, "heading");
+  return goal;
+}
+
+std::string Spawn(const WorldPointer& world, const py::object& source, const py::object& pose, const std::string& name,
+                  const py::object& controller, const py::object& parameters) {
+  std::optional<ControllerDescription> description;
+  if (const std::optional<std::string> named = ControllerName(controller)) {
+    const py::object text = py::module_::import("json").attr("dumps")(parameters.is_none() ? py::dict() : parameters);
+    description = ControllerDescription{*named, text.cast<std::string>()};
+  } else if (!parameters.is_none()) {
+    throw py::value_error("parameters: found some without a controller");
+  }
+  std::string found;
+  world->Edit([&](Simulation& simulation) {
+    found = ValueOf(simulation.Spawn(PathOf(source), ToPose(pose, 0.0), name, description));
+  });
+  return found;
+}
+
+void DefineChanges(SimulationClass& simulation) {
+  simulation
+      .def(
+          "send_to",
+          [](const WorldPointer& world, const py::object& robot, const py::object& goal, const py::object& heading) {
+            const World::Use use(*world);
+            RaiseIfBad(use->SendTo(world->FindRobot(robot), ToGoal(goal, heading)));
+          },
+          "robot"_a, "goal"_a, "heading"_a = py::none(),
+          R"(Sends a robot to a point (x, y) or (x, y, z), or to several, one after another, as `troupe goto`.
+
+heading: at the last one, rad. Raises InputError for a controller that accepts no goals, and with the reason for a goal
+that it cannot reach.)")
+      .def(
+          "cancel_goal",
+          [](const WorldPointer& world, const py::object& robot) {
+            const World::Use use(*world);
+            use->CancelGoal(world->FindRobot(robot));
+          },
+          "robot"_a, "The robot has no goal any more.")
+      .def(
+          "set_door",
+          [](const WorldPointer& world, const py::object& door, double opening) {
+            const World::Use use(*world);
+            RaiseIfBad(use->AddInput({{}, DoorOrder{FindThing(*world, "doors", door), opening}}));
+          },
+          "door"_a, "opening"_a = 1.0, "Moves a door from the next tick on; opening: 0, closed, to 1.")
+      .def(
+          "call_lift",
+          [](const WorldPointer& world, const py::object& lift, const std::string& floor) {
+            const World::Use use(*world);
+            const std::size_t number = FindThing(*world, "lifts", lift);
+            const std::vector<LiftFloor>& floors = use->world().lifts[number].floors;
+            const auto found =
+                std::find_if(floors.begin(), floors.end(), [&](const LiftFloor& each) { return each.name == floor; });
+            if (found == floors.end()) throw py::value_error(fmt::format("floor: the lift has no '{}'", floor));
+            RaiseIfBad(use->AddInput({{}, LiftOrder{number, static_cast<std::size_t>(found - floors.begin())}}));
+          },
+          "lift"_a, "floor"_a, "Calls a lift to a floor, by its name, from the next tick on.")
+      .def(
+          "find_pose",
+          [](const WorldPointer& world, const std::string& name) {
+            return ToRecord(ValueOf(World::Use(*world)->FindPose(name)));
+          },
+          "name"_a, "The Pose of a robot, an object, a person or another model.")
+      .def(
+          "set_pose",
+          [](const WorldPointer& world, const std::string& name, const py::object& pose) {
+            world->Edit([&](Simulation& edited) {
+              const Pose before = ValueOf(edited.FindPose(name));
+              RaiseIfBad(edited.SetPose(name, ToPose(pose, before.z)));
+            });
+          },
+          "name"_a, "pose"_a,
+          R"(Places a robot, an object, a person or another model at (x, y, heading) or (x, y, z, heading), in m and rad.
+
+Without z it stays at its height. What a robot holds falls. Raises RunError where something stands.)")
+      .def("spawn", Spawn, "source"_a, "pose"_a, "name"_a = "", py::kw_only(), "controller"_a = py::none(),
+           "parameters"_a = py::none(),
+           R"(Adds a robot or another model, and returns its name.
+
+source: a model that the world's file or its includes define, a file with one model, or "FILE#NAME". It has the next
+number of its kind. name: by default a free one. controller: a name or a class.)")
+      .def(
+          "delete",
+          [](const WorldPointer& world, const std::string& name) {
+            world->Edit([&](Simulation& edited) { RaiseIfBad(edited.Delete(name)); });
+          },
+          "name"_a,
+          "Removes a robot, an object, a person or another model. Its number stays free, and arrays keep its row.");
 }
 
 void DefineReports(SimulationClass& simulation) {
@@ -149,6 +291,7 @@ Robots decide and the step moves them by the code of a distributed run, so that 
 hash is that of `troupe run` of the same file. One thread at a time may use a simulation; another one gets a
 RuntimeError. Several simulations are independent, and step at the same time in several threads.)");
   DefineSteps(simulation);
+  DefineChanges(simulation);
   DefineReports(simulation);
 }
 

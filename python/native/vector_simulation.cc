@@ -392,17 +392,24 @@ std::vector<std::uint64_t> SeedsOf(const py::object& seeds, std::size_t count, s
   return list;
 }
 
-WorldsPointer Load(const py::object& file, std::int64_t count, const py::object& seeds, std::int64_t threads,
-                   std::optional<std::string> controller, bool run_controllers) {
+WorldsPointer Load(const py::object& world, const py::object& num_envs, const py::object& seeds, std::int64_t threads,
+                   const py::object& controller, bool run_controllers) {
+  std::vector<py::object> list;  // of a list
+  const bool is_list = py::isinstance<py::list>(world) || py::isinstance<py::tuple>(world);
+  if (is_list) list = world.cast<std::vector<py::object>>();
+  if (num_envs.is_none() && !is_list) throw py::type_error("num_envs: expected the number of worlds");
+  const auto count = num_envs.is_none() ? static_cast<std::int64_t>(list.size()) : num_envs.cast<std::int64_t>();
+  if (is_list && count != static_cast<std::int64_t>(list.size())) {
+    throw py::value_error(fmt::format("num_envs: found {}, expected {}, one for each world", count, list.size()));
+  }
   if (count < 1 || count > static_cast<std::int64_t>(kMaxWorlds)) {
     throw py::value_error(fmt::format("num_envs: found {}, expected 1 to {}", count, kMaxWorlds));
   }
   if (threads < 0 || threads > 1024) {
     throw py::value_error(fmt::format("threads: found {}, expected 0 to 1024", threads));
   }
-  const auto path = py::module_::import("os").attr("fsdecode")(file).cast<std::string>();
   SimulationOptions options;
-  options.controller = std::move(controller);
+  options.controller = ControllerName(controller);
   options.run_controllers = run_controllers;
   std::vector<std::shared_ptr<World>> worlds;
   const auto size = static_cast<std::size_t>(count);
@@ -411,28 +418,33 @@ WorldsPointer Load(const py::object& file, std::int64_t count, const py::object&
     starts.push_back(ValueOf(world->simulation().Save()));
     worlds.push_back(std::move(world));
   };
-  std::uint64_t first = 0;
-  if (seeds.is_none()) {
-    add(World::Load(path, options));
+  const bool is_function = PyCallable_Check(world.ptr()) != 0;
+  const auto input = [&](std::size_t i, std::optional<std::uint64_t> seed) {
+    return WorldInput(is_list ? list[i] : world, seed);
+  };
+  std::uint64_t first = 1;  // of a function
+  if (seeds.is_none() && !is_function) {
+    add(World::Load(input(0, std::nullopt), options));
     first = worlds[0]->simulation().world().seed;
   }
-  for (const std::uint64_t seed : SeedsOf(seeds, size, first)) {
-    if (seeds.is_none() && seed == first) continue;
+  const std::vector<std::uint64_t> each = SeedsOf(seeds, size, first);
+  for (std::size_t i = worlds.size(); i < size; ++i) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    // A world that an earlier one has with this seed is continued from it, with the same start.
-    const auto same = std::find_if(worlds.begin(), worlds.end(),
-                                   [&](const auto& world) { return world->simulation().world().seed == seed; });
+    // A copy that an earlier one has with this seed is continued from it, with the same start.
+    const auto same = std::find_if(worlds.begin(), worlds.end(), [&](const auto& other) {
+      return !is_list && !is_function && other->simulation().world().seed == each[i];
+    });
     if (same != worlds.end()) {
       const Snapshot start = starts[static_cast<std::size_t>(same - worlds.begin())];
       starts.push_back(start);
       worlds.push_back(std::make_shared<SteppedWorld>(ValueOf(Simulation::Continue(start))));
       continue;
     }
-    options.seed = seed;
+    options.seed = each[i];
     if (!worlds.empty()) options.share_with = &worlds[0]->simulation();
-    add(World::Load(path, options));
+    add(World::Load(input(i, options.seed), options));
     if (worlds.back()->simulation().world().robots.size() != worlds[0]->simulation().world().robots.size()) {
-      throw py::value_error("the numbers of robots differ between the seeds");
+      throw py::value_error("the numbers of robots differ between the worlds");
     }
   }
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
@@ -483,11 +495,12 @@ constant parts of the world, the others the map. `vector[i]` is copy i as a Simu
 (worlds, robots, ...); they are written into `out`, if it is given: a writable array of float32 or float64 in one piece.
 Every array supports DLPack, as numpy's do. As of a Simulation, one thread at a time may use it.)");
   simulation
-      .def(py::init(&Load), "file"_a, "num_envs"_a, py::kw_only(), "seeds"_a = py::none(), "threads"_a = 0,
-           "controller"_a = py::none(), "run_controllers"_a = true,
-           R"(Loads a file `num_envs` times; the arguments are as those of Simulation.
+      .def(py::init(&Load), "world"_a, "num_envs"_a = py::none(), py::kw_only(), "seeds"_a = py::none(),
+           "threads"_a = 0, "controller"_a = py::none(), "run_controllers"_a = true,
+           R"(Loads a world `num_envs` times; the arguments are as those of Simulation.
 
-seeds: one for each; by default the file's, and the numbers after it. threads: 0 is one for each core.)")
+Worlds that differ, with equal numbers of robots, come from a list of worlds, or from a function of the seed. seeds: one
+for each; by default the file's (of a function 1), and the numbers after it. threads: 0 is one for each core.)")
       .def("__len__", Held(&Worlds::size))
       .def("__getitem__", Held(&Worlds::At), "index"_a)
       .def_property_readonly("num_envs", Held(&Worlds::size), "The number of worlds.")

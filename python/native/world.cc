@@ -119,12 +119,34 @@ void AwaitCalls() {
   while (calls > 0 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-std::shared_ptr<SteppedWorld> World::Load(const std::string& file, const SimulationOptions& options) {
+WorldInput::WorldInput(const py::object& world, std::optional<std::uint64_t> seed) {
+  const py::module_ os = py::module_::import("os");
+  if (py::isinstance<py::str>(world) || py::isinstance<py::bytes>(world) ||
+      py::isinstance(world, os.attr("PathLike"))) {
+    path_ = os.attr("fsdecode")(world).cast<std::string>();
+    return;
+  }
+  files_ = py::module_::import("troupe.world").attr("WorldText")(world, seed);
+  path_ = files_.attr("path").cast<std::string>();
+  scenario_ = files_.attr("scenario").cast<std::string>();
+}
+
+Result<Simulation> WorldInput::Load(const SimulationOptions& options) const {
+  return scenario_ ? Simulation::LoadScenario(*scenario_, path_, options) : Simulation::Load(path_, options);
+}
+
+std::optional<std::string> ControllerName(const py::object& controller) {
+  if (controller.is_none()) return std::nullopt;
+  if (py::isinstance<py::str>(controller)) return controller.cast<std::string>();
+  return py::module_::import("troupe._cell").attr("name_of")(controller).cast<std::string>();
+}
+
+std::shared_ptr<SteppedWorld> World::Load(const WorldInput& input, const SimulationOptions& options) {
   std::optional<Result<Simulation>> loaded;
   {
     const Running running;
     const py::gil_scoped_release release;
-    loaded.emplace(Simulation::Load(file, options));
+    loaded.emplace(input.Load(options));
   }
   return std::make_shared<SteppedWorld>(ValueOf(*std::move(loaded)));
 }
@@ -261,6 +283,13 @@ void World::Restore(const Snapshot& snapshot) {
   RaiseIfBad(simulation_.Restore(snapshot));
   events = simulation_.events();
   reports.clear();
+  Prepare();
+  if (page_) page_->Show(simulation_);
+}
+
+void World::FollowEdit(std::size_t before) {
+  const std::vector<Event>& now = simulation_.events();
+  events.insert(events.end(), now.begin() + static_cast<std::ptrdiff_t>(before), now.end());
   Prepare();
   if (page_) page_->Show(simulation_);
 }

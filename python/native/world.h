@@ -81,10 +81,28 @@ using SnapshotPointer = std::shared_ptr<Snapshot>;
 
 class SteppedWorld;
 
+// What a world is made of, for one load: a path, or a scenario as a dict, a troupe.World or a function of the seed
+// (troupe/world.py). REQUIRES: the interpreter's lock, also at the end.
+class WorldInput {
+ public:
+  // Throws TypeError for another object.
+  WorldInput(const py::object& world, std::optional<std::uint64_t> seed);
+
+  Result<Simulation> Load(const SimulationOptions& options) const;
+
+ private:
+  std::string path_;
+  std::optional<std::string> scenario_;
+  py::object files_;  // of its maps, which end with this; or none
+};
+
+// The name of a controller, or a class of this process; nothing for None.
+std::optional<std::string> ControllerName(const py::object& controller);
+
 // A simulation at a tick: a troupe.State, which can be read.
 class World {
  public:
-  static std::shared_ptr<SteppedWorld> Load(const std::string& file, const SimulationOptions& options);
+  static std::shared_ptr<SteppedWorld> Load(const WorldInput& input, const SimulationOptions& options);
   explicit World(Simulation simulation);
   virtual ~World();  // Python knows the class of an instance by it
   World(const World&) = delete;
@@ -115,6 +133,14 @@ class World {
   // Steps once, and collects events and reports. Without the interpreter's lock.
   void StepOnce();
   void Restore(const Snapshot& snapshot);
+  // Calls change(simulation), which throws if it fails, and follows what it has changed.
+  template <typename Change>
+  void Edit(const Change& change) {
+    const Use use(*this);
+    const std::size_t before = simulation_.events().size();
+    change(simulation_);
+    FollowEdit(before);
+  }
   // Opens the page, if it is not open, and returns its address.
   std::string OpenPage(const SimulationPageOptions& options);
   void ClosePage();
@@ -145,6 +171,8 @@ class World {
 
  private:
   void Prepare();  // for another world
+  // `before`: the number of events of the last tick before the edit.
+  void FollowEdit(std::size_t before);
   const std::vector<double>& Ranges(RobotId robot, std::size_t sensor, std::size_t rays) const;
 
   Simulation simulation_;

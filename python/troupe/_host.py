@@ -23,6 +23,7 @@ import zlib
 from types import ModuleType, TracebackType
 from typing import Any, Dict, Optional, Sequence, Tuple
 
+from . import _cell
 from .records import RobotInfo
 
 _PREFIX = "troupe_controllers_"
@@ -132,8 +133,14 @@ def _load(file: str) -> ModuleType:
     return _finder.folders.setdefault(folder.name, folder).load(name)
 
 
+def _is_cell(file: str) -> bool:
+    return os.path.realpath(file) == os.path.realpath(_cell.__file__)
+
+
 def make(file: str, name: str, robot: RobotInfo) -> Any:
     """An instance of the class `name` of the file, with the robot's parameters as keyword arguments."""
+    if _is_cell(file):
+        return _cell.find(name)(robot, **robot.parameters)
     module = _load(file)
     kind = getattr(module, name, None)
     if not isinstance(kind, type) or not callable(getattr(kind, "update", None)):
@@ -162,9 +169,13 @@ def describe(error: Optional[BaseException], trace: Optional[TracebackType], fil
     """ "patrol.py:12: ZeroDivisionError: division by zero": the innermost line of a file in the folder of the user's."""
     folder, line = os.path.dirname(os.path.realpath(file)), 0
     name, text = os.path.basename(file), str(error)
+    cells = _cell.files() if _is_cell(file) else set()
     while trace is not None:
-        path = os.path.realpath(trace.tb_frame.f_code.co_filename)
-        if path.startswith(os.path.join(folder, "")) and path.endswith(".py"):
+        code_file = trace.tb_frame.f_code.co_filename
+        path = os.path.realpath(code_file)
+        if code_file in cells:
+            name, line = os.path.basename(code_file), trace.tb_lineno
+        elif not cells and path.startswith(os.path.join(folder, "")) and path.endswith(".py"):
             name, line = os.path.relpath(path, folder), trace.tb_lineno
         trace = trace.tb_next
     if isinstance(error, SyntaxError) and error.filename:

@@ -1,15 +1,18 @@
 """The native part of troupe. Units: m, rad, s. Frames: W world, R robot."""
 
 import os
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from .picture import Picture
-from .records import Command, Event, Reading, RobotInfo
+from .records import Command, Event, Pose, Reading, RobotInfo
+from .world import World
 
 _File = Union[str, bytes, "os.PathLike[str]"]
+_World = Union[_File, Mapping[str, Any], World]
+_Controller = Union[str, type]
 _Robot = Union[int, str]
 _Array = NDArray[numpy.float64]
 
@@ -74,7 +77,7 @@ class State:
     @property
     def tables(self) -> Tuple[str, ...]:
         """The names of the tables of things: robots, joints, doors, people, levels ..."""
-    def table(self, name: str) -> Dict[str, Union[numpy.ndarray, Tuple[str, ...]]]:
+    def table(self, name: str) -> Dict[str, Union[numpy.ndarray[Any, Any], Tuple[str, ...]]]:
         """A table of things: "name" and the signals of docs/testing.md, each an array or a tuple of texts."""
     def robot(self, robot: _Robot) -> RobotInfo: ...
     @property
@@ -97,7 +100,7 @@ class State:
         """(stores,): J."""
     def read(self, robot: _Robot, sensor: _Robot) -> Reading:
         """The reading of a sensor, by name, type or number. Whether it is read changes nothing."""
-    def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(robots, rays), m. ValueError if the numbers of rays differ."""
     def held(self, robot: _Robot) -> List[Optional[str]]:
         """The object that each gripper holds."""
@@ -115,9 +118,12 @@ class State:
 class Simulation(State):
     """A world in this process. One thread at a time may use it; another one gets a RuntimeError."""
 
-    def __init__(self, file: _File, *, seed: Optional[int] = None, controller: Optional[str] = None,
-                 run_controllers: bool = True) -> None:
-        """Loads a .world, a scenario (.json) or a ROS map (.yaml). Raises InputError with file, line and column."""
+    def __init__(self, world: Union[_World, Callable[[Optional[int]], _World]], *, seed: Optional[int] = None,
+                 controller: Optional[_Controller] = None, run_controllers: bool = True) -> None:
+        """Loads a .world, a scenario (.json) or a ROS map (.yaml); or a scenario as a dict, or a World.
+
+        Raises InputError with file, line and column.
+        """
 
     def step(self, ticks: int = 1) -> None:
         """Advances. Other threads run meanwhile; Ctrl-C ends it between two ticks."""
@@ -127,6 +133,21 @@ class Simulation(State):
         """One robot by (vx, wz), (vx, vy, wz) or a Command; all by an array (robots, 2 or 3). Until `release`."""
     def release(self, robot: Optional[_Robot] = None) -> None:
         """Returns a robot, or all, to its controller."""
+    def send_to(self, robot: _Robot, goal: ArrayLike, heading: Optional[float] = None) -> None:
+        """To a point (x, y) or (x, y, z), or to several. InputError if the controller accepts no goals or no way leads there."""
+    def cancel_goal(self, robot: _Robot) -> None: ...
+    def set_door(self, door: _Robot, opening: float = 1.0) -> None:
+        """From the next tick on; opening: 0, closed, to 1."""
+    def call_lift(self, lift: _Robot, floor: str) -> None:
+        """From the next tick on."""
+    def find_pose(self, name: str) -> Pose: ...
+    def set_pose(self, name: str, pose: ArrayLike) -> None:
+        """(x, y, heading) or (x, y, z, heading). RunError where something stands."""
+    def spawn(self, source: _File, pose: ArrayLike, name: str = "", *, controller: Optional[_Controller] = None,
+              parameters: Optional[Mapping[str, Any]] = None) -> str:
+        """Adds a model of the world's file, a file with one model, or "FILE#NAME"; returns its name."""
+    def delete(self, name: str) -> None:
+        """Removes it; arrays keep its row."""
     def save(self) -> Snapshot:
         """RunError if a controller cannot be copied."""
     def restore(self, snapshot: Snapshot) -> None:
@@ -158,11 +179,12 @@ class RecordedStates:
     def world_file(self) -> str: ...
 
 class VectorSimulation:
-    """Many copies of one world, each with a seed of its own, stepped together by all cores."""
+    """Many copies of one world, or worlds with equal numbers of robots, each with a seed, stepped together by all cores."""
 
-    def __init__(self, file: _File, num_envs: int, *, seeds: Optional[Sequence[int]] = None, threads: int = 0,
-                 controller: Optional[str] = None, run_controllers: bool = True) -> None:
-        """seeds: by default the file's and the numbers after it. threads: 0 is one for each core."""
+    def __init__(self, world: Union[_World, Sequence[_World], Callable[[int], _World]], num_envs: Optional[int] = None, *,
+                 seeds: Optional[Sequence[int]] = None, threads: int = 0, controller: Optional[_Controller] = None,
+                 run_controllers: bool = True) -> None:
+        """seeds: by default the file's (of a function 1) and the numbers after it. threads: 0 is one for each core."""
 
     def __len__(self) -> int: ...
     def __getitem__(self, index: int) -> Simulation: ...
@@ -178,27 +200,27 @@ class VectorSimulation:
 
         grippers: (worlds, grippers, 2) of opening (0 closes) and lift, percent; nan: as commanded last.
         """
-    def held(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def held(self, out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, grippers): the number of the object that each holds, or -1."""
     def reset(self, which: Optional[ArrayLike] = None,
               snapshots: Union[None, Snapshot, Sequence[Snapshot]] = None) -> None:
         """which: a mask (worlds,) or numbers; None: all. To their start, or to the snapshots."""
     def save(self) -> List[Snapshot]: ...
-    def poses(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def poses(self, out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, robots, 4): x, y, z (m), heading (rad)."""
-    def twists(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def twists(self, out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, robots, 3): vx, vy (m/s), wz (rad/s)."""
-    def stalls(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def stalls(self, out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, robots): 1 where a contact ended the last motion."""
-    def object_poses(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def object_poses(self, out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, objects, 4), as poses."""
-    def joint_positions(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def joint_positions(self, out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, joints): m or rad."""
-    def energy(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def energy(self, out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, stores): J."""
-    def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+    def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, robots, rays), m."""
-    def table(self, name: str) -> Dict[str, Union[numpy.ndarray, Tuple[Tuple[str, ...], ...]]]:
+    def table(self, name: str) -> Dict[str, Union[numpy.ndarray[Any, Any], Tuple[Tuple[str, ...], ...]]]:
         """As Simulation.table, with the worlds as first axis: arrays (worlds, rows), and a tuple of texts for each world.
 
         "rows", int64 (worlds,): how many each world has; a world with fewer has nan or False in the others.

@@ -12,7 +12,7 @@ from __future__ import annotations
 import operator
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Iterator, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
 
 from ._troupe import RecordedStates, State
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy
 
 
-class Recording(Sequence):
+class Recording(Sequence[State]):
     """The states of a recorded run, in their order. Positions count from 0; a slice is a Recording of these states.
 
     Any thread may use it. States in order are read quickest. InputError: the file is no recording, is damaged before its
@@ -41,7 +41,7 @@ class Recording(Sequence):
     @overload
     def __getitem__(self, key: slice) -> "Recording": ...
 
-    def __getitem__(self, key):
+    def __getitem__(self, key: Union[int, slice]) -> Union[State, "Recording"]:
         if isinstance(key, slice):
             part = Recording.__new__(Recording)
             part._states, part._positions, part.file = self._states, self._positions[key], self.file
@@ -62,7 +62,7 @@ class Recording(Sequence):
         return f"<troupe.Recording {self.file!r}: {len(self)} states>"
 
     @property
-    def ticks(self) -> "numpy.ndarray":
+    def ticks(self) -> "numpy.ndarray[Any, Any]":
         """int64 (states,): of each state. They ascend, but an edit of the run keeps the tick or sets it back."""
         return self._states.ticks[list(self._positions)] if self._positions else self._states.ticks[:0]
 

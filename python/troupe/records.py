@@ -7,7 +7,7 @@ S sensor. `pose` of a reading is that of S in R. Arrays are numpy's, and can onl
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Sequence, Tuple, Union
 
 if TYPE_CHECKING:
     import numpy
@@ -96,7 +96,7 @@ class RobotInfo(NamedTuple):
 
     name: str
     id: int  # as other robots see it, for instance in Reception.sender
-    parameters: dict
+    parameters: Dict[str, Any]
     drive: DriveInfo
     sensors: Tuple[SensorInfo, ...]
     joints: Tuple[JointInfo, ...]
@@ -114,23 +114,23 @@ class RobotInfo(NamedTuple):
         names = ", ".join(f"{sensor.name} ({sensor.type})" for sensor in self.sensors) or "none"
         raise ValueError(f"robot {self.name} has no sensor {name!r}, found: {names}")
 
-    def __deepcopy__(self, memo: dict) -> "RobotInfo":
+    def __deepcopy__(self, memo: Dict[int, Any]) -> "RobotInfo":
         return self  # constant
 
 
 class RangeScan(NamedTuple):
     """The ranges of one ray sensor. Shapes: (rays,), or (planes, rays) with several planes."""
 
-    ranges: "numpy.ndarray"  # float64, m along the ray; `max` without a hit
-    intensities: "numpy.ndarray"  # float64, of the hit; 0 without one
+    ranges: "numpy.ndarray[Any, Any]"  # float64, m along the ray; `max` without a hit
+    intensities: "numpy.ndarray[Any, Any]"  # float64, of the hit; 0 without one
     fov: float  # rad, from the first ray to the last
-    elevations: "numpy.ndarray"  # float64 (planes,), rad above the horizontal
+    elevations: "numpy.ndarray[Any, Any]"  # float64 (planes,), rad above the horizontal
     pose: Pose
     min: float  # m
     max: float
 
     @property
-    def bearings(self) -> "numpy.ndarray":
+    def bearings(self) -> "numpy.ndarray[Any, Any]":
         """float64 (rays,), rad in S, ascending."""
         import numpy
         rays = self.ranges.shape[-1]
@@ -144,7 +144,7 @@ class RangerReading(NamedTuple):
     scans: Tuple[RangeScan, ...]  # one for each ray sensor, in the order of the world file
 
     @property
-    def ranges(self) -> "numpy.ndarray":
+    def ranges(self) -> "numpy.ndarray[Any, Any]":
         """All ranges in one array (n,), m: those of a ring of sonars in one piece."""
         if len(self.scans) == 1:
             return self.scans[0].ranges.reshape(-1)
@@ -152,7 +152,7 @@ class RangerReading(NamedTuple):
         return numpy.concatenate([scan.ranges.reshape(-1) for scan in self.scans] or [numpy.empty(0)])
 
     @property
-    def points(self) -> "numpy.ndarray":
+    def points(self) -> "numpy.ndarray[Any, Any]":
         """The hits as points (n, 3), m in R; rays without a hit are left out."""
         import numpy
         parts = []
@@ -240,9 +240,9 @@ class BlobfinderReading(NamedTuple):
 
 class CameraReading(NamedTuple):
     tick: int
-    colors: "numpy.ndarray"  # uint8 (height, width, 3): red, green, blue
-    depths: "numpy.ndarray"  # float32 (height, width), m ahead; -inf: too near, inf: beyond the limits, or no hit
-    models: "numpy.ndarray"  # int32 (height, width): the model seen; -1: ground, -2: nothing
+    colors: "numpy.ndarray[Any, Any]"  # uint8 (height, width, 3): red, green, blue
+    depths: "numpy.ndarray[Any, Any]"  # float32 (height, width), m ahead; -inf: too near, inf: beyond the limits, or no hit
+    models: "numpy.ndarray[Any, Any]"  # int32 (height, width): the model seen; -1: ground, -2: nothing
     focal_length: Tuple[float, float]  # pixels: of the columns, of the rows
     center: Tuple[float, float]  # pixels from the left and upper edge
     min: float  # m
@@ -250,7 +250,7 @@ class CameraReading(NamedTuple):
     pose: Pose
 
     @property
-    def points(self) -> "numpy.ndarray":
+    def points(self) -> "numpy.ndarray[Any, Any]":
         """What is seen as points (n, 3), m in S; pixels without a hit are left out."""
         import numpy
         rows, columns = numpy.nonzero(numpy.isfinite(self.depths))

@@ -12,12 +12,15 @@
 from __future__ import annotations
 
 import os
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ._troupe import Metric, Monitor, Simulation, watch
+from .world import World
 
 __all__ = ["Failure", "Metric", "Monitor", "Outcome", "Run", "check", "run", "watch"]
 
+_World = Union[str, "os.PathLike[str]", Mapping[str, Any], World]
+_Controller = Union[None, str, type]
 _Outline = Sequence[Tuple[float, float]]
 _Regions = Optional[Mapping[str, Union[_Outline, Tuple[_Outline, float]]]]
 
@@ -56,9 +59,9 @@ class Failure(AssertionError):
         self.run = run
 
 
-def run(world: Union[str, "os.PathLike[str]", Simulation], expectations: Union[str, Iterable[str]] = (), *,
+def run(world: Union[_World, Simulation], expectations: Union[str, Iterable[str]] = (), *,
         ticks: int = 600, metrics: Optional[Mapping[str, str]] = None, regions: _Regions = None,
-        seed: Optional[int] = None, controller: Optional[str] = None, stop: bool = False) -> Run:
+        seed: Optional[int] = None, controller: _Controller = None, stop: bool = False) -> Run:
     """Steps a world, or a simulation from its present tick on, and judges each tick.
 
     ticks: of the run; the present one counts, too. metrics: {name: metric}. regions: {name: [(x, y), ...]}, or
@@ -72,8 +75,10 @@ def run(world: Union[str, "os.PathLike[str]", Simulation], expectations: Union[s
     # A given simulation may be at any tick.
     begin = sim.tick
     watch(sim, ticks, [*monitors, *numbers.values()], stop=stop)
-    for monitor in (*monitors, *numbers.values()):
+    for monitor in monitors:
         monitor.finish()
+    for metric in numbers.values():
+        metric.finish()
     return Run(sim.seed, sim.tick - begin, sim.state_hash, tuple(map(_outcome, monitors)),
                {name: metric.value for name, metric in numbers.items()})
 
@@ -81,11 +86,11 @@ def run(world: Union[str, "os.PathLike[str]", Simulation], expectations: Union[s
 def _outcome(monitor: Monitor) -> Outcome:
     tick, names = monitor.cause
     return Outcome(monitor.text, monitor.formula, monitor.verdict is True, monitor.robustness[0],
-                   monitor.decided_at, tick, names)
+                   monitor.decided_at or 0, tick, names)
 
 
-def check(world: Union[str, "os.PathLike[str]"], *expectations: str, ticks: int = 600,
-          seeds: Optional[Iterable[int]] = None, regions: _Regions = None, controller: Optional[str] = None) -> List[Run]:
+def check(world: _World, *expectations: str, ticks: int = 600,
+          seeds: Optional[Iterable[int]] = None, regions: _Regions = None, controller: _Controller = None) -> List[Run]:
     """Runs a world with each of the seeds, by default the file's, and raises a Failure if an expectation is false.
 
     A failing run is repeated and ends at the first tick that shows it, so that the call in the message is the shortest.
@@ -99,20 +104,29 @@ def check(world: Union[str, "os.PathLike[str]"], *expectations: str, ticks: int 
     return runs
 
 
-def _failure(world: Union[str, "os.PathLike[str]"], done: Run, ticks: int, regions: _Regions,
-             controller: Optional[str]) -> Failure:
+def _names(world: _World) -> Tuple[str, str]:
+    """Of the world in messages, and in a call."""
+    if isinstance(world, (World, Mapping)):
+        scenario = world.scenario if isinstance(world, World) else world
+        return str(scenario.get("name", "world")), "world"
+    return os.fspath(world), repr(os.fspath(world))
+
+
+def _failure(world: _World, done: Run, ticks: int, regions: _Regions,
+             controller: _Controller) -> Failure:
     outcome = min((each for each in done.outcomes if not each.holds), key=lambda each: each.decided_at)
     # A shorter run may fail by another reason, `eventually` for instance: only the same one counts.
     short = run(world, [outcome.text], ticks=ticks, regions=regions, seed=done.seed, controller=controller, stop=True)
     shown = short.outcomes[0]
+    name, argument = _names(world)
     if shown.holds:
-        return Failure(f"{os.fspath(world)}: seed {done.seed}: {outcome.text} was false, and true when the run was repeated: "
+        return Failure(f"{name}: seed {done.seed}: {outcome.text} was false, and true when the run was repeated: "
                        "a controller depends on more than its observations", short)
     by = f" by {' and '.join(shown.cause_names)}" if shown.cause_names else ""
     at = f" at tick {shown.cause_tick}" if shown.cause_tick is not None else ""
     formula = f"\n  that is: {shown.formula}" if shown.formula != shown.text else ""
     extra = "".join(f", {name}={value!r}" for name, value in (("regions", regions), ("controller", controller)) if value)
-    return Failure(f"{os.fspath(world)}: the expectation is false: {outcome.text}{formula}\n"
+    return Failure(f"{name}: the expectation is false: {outcome.text}{formula}\n"
                    f"  decided{by}{at}, robustness {shown.robustness:.6g}, known at tick {shown.decided_at}\n"
-                   f"  again: troupe.testing.check({os.fspath(world)!r}, {outcome.text!r}, ticks={short.ticks}, "
+                   f"  again: troupe.testing.check({argument}, {outcome.text!r}, ticks={short.ticks}, "
                    f"seeds=[{done.seed}]{extra})", short)

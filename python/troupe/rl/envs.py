@@ -19,7 +19,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 import numpy
 
 from .._troupe import Simulation, VectorSimulation
-from .spaces import Box
+from .spaces import Array, Box
 from .tasks import Situation, Task
 
 
@@ -54,7 +54,7 @@ class _Travel:
         self.range = numpy.array([joint.max - joint.min for joint in joints])
         self.speed = numpy.array([joint.max_speed for joint in joints]) / self.range  # 1/s
 
-    def __call__(self, positions: numpy.ndarray) -> numpy.ndarray:
+    def __call__(self, positions: Array) -> Array:
         return (positions[:, self.columns] - self.low) / self.range
 
 
@@ -72,7 +72,7 @@ class Episodes:
             json.dump(self.task.scenario(), file)
             file.flush()
             self._starts = []
-            self._start_poses: List[numpy.ndarray] = []
+            self._start_poses: List[Array] = []
             for seed in range(1, starts + 1):
                 sim = Simulation(file.name, seed=seed)
                 self._starts.append(sim.save())
@@ -102,7 +102,7 @@ class Episodes:
     def observation_size(self) -> int:
         return self._ranges.shape[2] + 3 + self.task.extra
 
-    def seed(self, seed: Any, which: Optional[numpy.ndarray] = None) -> None:
+    def seed(self, seed: Any, which: Optional[Array] = None) -> None:
         """Of the generators of the worlds of a mask, or of all: a list with a seed for each world, or n for n, n + 1, ...; None: of
         the operating system's chance."""
         if seed is None:
@@ -123,7 +123,7 @@ class Episodes:
     def action_size(self) -> int:
         return 4 if self.task.gripper else 2
 
-    def begin(self, which: numpy.ndarray) -> None:
+    def begin(self, which: Array) -> None:
         """New episodes in the worlds of a mask."""
         numbers = numpy.nonzero(which)[0]
         self.worlds.reset(numbers, [self._starts[self.generators[i].integers(len(self._starts))] for i in numbers])
@@ -131,12 +131,12 @@ class Episodes:
         self._contacts[which] = 0.0
         self.task.begin(which, self._start_poses, self.generators, self._look())
 
-    def observe(self) -> numpy.ndarray:
+    def observe(self) -> Array:
         """(worlds, robots, numbers), float32."""
         return self.task.observe(self._look())
 
-    def step(self, actions: numpy.ndarray, frozen: Optional[numpy.ndarray] = None
-             ) -> Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    def step(self, actions: Array, frozen: Optional[Array] = None
+             ) -> Tuple[Array, Array, Array]:
         """One step of all worlds by actions (worlds, robots, 2 or 4) in [-1, 1]; robots of the mask `frozen` stand.
 
         Returns rewards (worlds, robots), ended (worlds, robots) and truncated (worlds,).
@@ -155,7 +155,7 @@ class Episodes:
         self._contacts[:] = numpy.where(self._stalls > 0, numpy.where(actions[..., 0] < 0, -1.0, 1.0), 0.85 * self._contacts)
         return self.task.reward(seen), self.task.ended(seen), self._steps >= self.task.max_steps
 
-    def _percents(self, actions: numpy.ndarray) -> numpy.ndarray:
+    def _percents(self, actions: Array) -> Array:
         """Of opening and lift of each gripper, (worlds, grippers, 2); nan: as before."""
         fingers, lift = actions[..., 2], actions[..., 3]
         # As far as the lift moves in a step at its speed.
@@ -234,14 +234,14 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
         self.agents = [name for name in self.agents if not result[2][name] and not result[3][name]]
         return result
 
-    def _by_name(self, rows: numpy.ndarray, kind: Callable = lambda row: row) -> dict:
+    def _by_name(self, rows: Array, kind: Callable = lambda row: row) -> dict:
         return {name: kind(row) for name, row in zip(self.possible_agents, rows) if name in self.agents}
 
     @property
     def state_space(self) -> Any:
         return Box(-numpy.inf, numpy.inf, (4 * len(self.possible_agents),))
 
-    def state(self) -> numpy.ndarray:
+    def state(self) -> Array:
         """The poses of all robots, (robots * 4,), float32."""
         return self._episodes.worlds[0].poses.astype(numpy.float32).reshape(-1)
 
@@ -310,14 +310,14 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
     def unwrapped(self) -> "VectorEnv":
         return self
 
-    def _begin(self, which: numpy.ndarray) -> None:
+    def _begin(self, which: Array) -> None:
         if which.any():
             self._episodes.begin(which)
             self._done[which] = False
             self._over[which] = False
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
-              options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
+              options: Optional[dict] = None) -> Tuple[Array, dict]:
         which = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
             which = numpy.asarray(options["reset_mask"])
@@ -328,7 +328,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self._begin(which)
         return self._episodes.observe(), {}
 
-    def step(self, actions: Any) -> Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, Dict[str, Any]]:
+    def step(self, actions: Any) -> Tuple[Array, Array, Array, Array, Dict[str, Any]]:
         infos: Dict[str, Any] = {}
         again = self._over.copy() if self.autoreset == "next_step" else numpy.zeros(self.num_envs, bool)
         rewards, ended, truncated = self._episodes.step(actions, self._done)
@@ -353,7 +353,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         return observations, totals, terminations, truncations, infos
 
     @property
-    def state_hashes(self) -> numpy.ndarray:
+    def state_hashes(self) -> Array:
         """uint64 (num_envs,)."""
         return self._episodes.worlds.state_hashes
 
@@ -365,8 +365,8 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self.closed = True
 
 
-def evaluate(task: Task, policy: Callable[[numpy.ndarray], numpy.ndarray], *, episodes: int = 16, seed: int = 0
-             ) -> numpy.ndarray:
+def evaluate(task: Task, policy: Callable[[Array], Array], *, episodes: int = 16, seed: int = 0
+             ) -> Array:
     """The score of a policy, the sum of each episode's rewards, mean over the robots: (episodes,).
 
     policy: from observations (worlds, robots, numbers) to actions (worlds, robots, 2 or 4); `task.scripted` is the reference.

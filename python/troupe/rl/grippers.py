@@ -7,6 +7,7 @@ from typing import Tuple
 
 import numpy
 
+from .spaces import Array
 from .tasks import Task, worlds_folder
 
 REACH = 0.4  # m: a gripped cube is so far in front of the robot's origin
@@ -16,7 +17,7 @@ COLUMNS = ("holds", "opening", "lift", "goal_lift", "goal_distance", "goal_cos",
            "cube_distance", "cube_cos", "cube_sin", "robot_distance", "robot_cos", "robot_sin")
 
 
-def _polar(way: numpy.ndarray, heading: numpy.ndarray) -> Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+def _polar(way: Array, heading: Array) -> Tuple[Array, Array, Array]:
     """Distance / 5 m, up to 1, cosine and sine of the bearing, of vectors in W seen at a heading."""
     bearing = numpy.arctan2(way[..., 1], way[..., 0]) - heading
     return numpy.minimum(numpy.hypot(way[..., 0], way[..., 1]) / 5.0, 1.0), numpy.cos(bearing), numpy.sin(bearing)
@@ -57,7 +58,7 @@ class Manipulation(Task):
                           {"model": "stacker", "count": self.robots, "region": [-x, -y, 1.5, y], "spacing": 1.0,
                            "heading": "random", "name_prefix": "robot"}]}
 
-    def slots(self) -> numpy.ndarray:
+    def slots(self) -> Array:
         """(cubes, 3): x, y (m) and level of each place, in the order in which they are used."""
         raise NotImplementedError
 
@@ -71,7 +72,7 @@ class Manipulation(Task):
         self.gripped[which] = False
         self.carried[which] = -1
 
-    def place_of(self, world: int, robot: int) -> numpy.ndarray:
+    def place_of(self, world: int, robot: int) -> Array:
         """The place for the cube in a robot's gripper: the first free one."""
         slots = self.slots()
         free = sorted(set(range(len(slots))) - set(self.placed[world] - 1))

@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import Any, Optional, Sequence
 
 import numpy
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 
 class _Box:
@@ -21,7 +24,7 @@ class _Box:
     def seed(self, seed: Optional[int] = None) -> None:
         self._generator = numpy.random.default_rng(seed)
 
-    def sample(self) -> numpy.ndarray:
+    def sample(self) -> Array:
         low, high = numpy.clip(self.low, -1e6, 1e6), numpy.clip(self.high, -1e6, 1e6)
         return self._generator.uniform(low, high, self.shape).astype(self.dtype)
 

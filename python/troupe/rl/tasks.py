@@ -12,6 +12,8 @@ from typing import Any, Dict, List, NamedTuple, Optional
 
 import numpy
 
+from .spaces import Array
+
 
 def worlds_folder() -> pathlib.Path:
     """The folder of troupe's own worlds: of the package (pip), of the Debian package, or of the sources."""
@@ -27,18 +29,18 @@ def worlds_folder() -> pathlib.Path:
 class Situation(NamedTuple):
     """What tasks see of all worlds after a step."""
 
-    poses: numpy.ndarray  # (worlds, robots, 4): x, y, z, heading
-    twists: numpy.ndarray  # (worlds, robots, 3): vx, vy, wz
-    stalls: numpy.ndarray  # (worlds, robots): 1 after a contact
-    contacts: numpy.ndarray  # (worlds, robots): after a contact 1 if the robot drove ahead, -1 if back; then fading
-    ranges: numpy.ndarray  # (worlds, robots, rays): m
-    energy: numpy.ndarray  # (worlds, stores): J, in the order of the file
-    steps: numpy.ndarray  # (worlds,): steps of the episode
+    poses: Array  # (worlds, robots, 4): x, y, z, heading
+    twists: Array  # (worlds, robots, 3): vx, vy, wz
+    stalls: Array  # (worlds, robots): 1 after a contact
+    contacts: Array  # (worlds, robots): after a contact 1 if the robot drove ahead, -1 if back; then fading
+    ranges: Array  # (worlds, robots, rays): m
+    energy: Array  # (worlds, stores): J, in the order of the file
+    steps: Array  # (worlds,): steps of the episode
     interval: float  # s, of a step
-    objects: numpy.ndarray  # (worlds, objects, 4): x, y, z, heading of what grippers can hold
-    held: numpy.ndarray  # (worlds, grippers): the object that each holds, -1: none; this and the next two with `gripper`
-    openings: numpy.ndarray  # (worlds, grippers): of the fingers, 0 to 1
-    lifts: numpy.ndarray  # (worlds, grippers): 0 to 1
+    objects: Array  # (worlds, objects, 4): x, y, z, heading of what grippers can hold
+    held: Array  # (worlds, grippers): the object that each holds, -1: none; this and the next two with `gripper`
+    openings: Array  # (worlds, grippers): of the fingers, 0 to 1
+    lifts: Array  # (worlds, grippers): 0 to 1
 
 
 class Task:
@@ -66,30 +68,30 @@ class Task:
                 "spawn": [{"model": "scout", "count": self.robots, "region": [-11, -7, 11, 7], "spacing": 0.8,
                            "heading": "random", "name_prefix": "robot"}]}
 
-    def begin(self, which: numpy.ndarray, starts: List[numpy.ndarray], generators: List[numpy.random.Generator],
+    def begin(self, which: Array, starts: List[Array], generators: List[numpy.random.Generator],
               seen: Situation) -> None:
         """A new episode in the worlds of the mask `which`. starts: the robots' poses in all starts, (robots, 4) each."""
 
-    def features(self, seen: Situation) -> numpy.ndarray:
+    def features(self, seen: Situation) -> Array:
         """(worlds, robots, extra): what robots know beside their ranges and motion."""
         return numpy.zeros((*seen.stalls.shape, 0))
 
-    def observe(self, seen: Situation) -> numpy.ndarray:
+    def observe(self, seen: Situation) -> Array:
         """(worlds, robots, numbers), float32, about -1 to 1."""
         motion = numpy.stack([seen.twists[..., 0] / self.speed, seen.twists[..., 2] / self.turn_rate,
                               seen.contacts], axis=-1)
         near = numpy.minimum(seen.ranges / self.reach, 1.0)
         return numpy.concatenate([near, motion, self.features(seen)], axis=-1).astype(numpy.float32)
 
-    def reward(self, seen: Situation) -> numpy.ndarray:
+    def reward(self, seen: Situation) -> Array:
         """(worlds, robots), of the last step. Called once for each step."""
         raise NotImplementedError
 
-    def ended(self, seen: Situation) -> numpy.ndarray:
+    def ended(self, seen: Situation) -> Array:
         """(worlds, robots): the robot's task is done."""
         return numpy.zeros(seen.stalls.shape, bool)
 
-    def scripted(self, observations: numpy.ndarray) -> numpy.ndarray:
+    def scripted(self, observations: Array) -> Array:
         """The reference: actions (worlds, robots, 2) by the observations alone. Here: away from obstacles."""
         return avoid(observations, numpy.zeros(observations.shape[:2]))
 
@@ -97,7 +99,7 @@ class Task:
 SONARS = 8  # of a scout, evenly around, the first one ahead, counter-clockwise
 
 
-def avoid(observations: numpy.ndarray, bearing: numpy.ndarray, clear: float = 0.2) -> numpy.ndarray:
+def avoid(observations: Array, bearing: Array, clear: float = 0.2) -> Array:
     """Actions towards a bearing (rad, in R). What is nearer than `clear` (in parts of the reach) pushes away and to its left,
     so that a robot passes it and follows walls; at a contact it backs off."""
     near = observations[..., :SONARS]
@@ -115,11 +117,11 @@ def avoid(observations: numpy.ndarray, bearing: numpy.ndarray, clear: float = 0.
     return numpy.stack([forward, turn], axis=-1).astype(numpy.float32)
 
 
-def sonar_bearings() -> numpy.ndarray:
+def sonar_bearings() -> Array:
     return wrap(numpy.arange(SONARS) * (2 * numpy.pi / SONARS))
 
 
-def wrap(angle: numpy.ndarray) -> numpy.ndarray:
+def wrap(angle: Array) -> Array:
     return (angle + numpy.pi) % (2 * numpy.pi) - numpy.pi
 
 
@@ -150,7 +152,7 @@ class Navigation(Task):
         self.left[which] = self._distance(seen)[which]
         self.arrived[which] = False
 
-    def _distance(self, seen: Situation) -> numpy.ndarray:
+    def _distance(self, seen: Situation) -> Array:
         return numpy.hypot(*numpy.moveaxis(self.goals - seen.poses[..., :2], -1, 0))
 
     def features(self, seen):
@@ -192,12 +194,12 @@ class Coverage(Task):
         self.visited[which] = False
         self._visit(seen)
 
-    def _cells(self, points: numpy.ndarray):
+    def _cells(self, points: Array):
         half = numpy.array(self.size) / 2
         cells = numpy.floor(points + half).astype(int)
         return tuple(numpy.moveaxis(numpy.clip(cells, 0, numpy.array(self.size) - 1), -1, 0))
 
-    def _visit(self, seen: Situation) -> numpy.ndarray:
+    def _visit(self, seen: Situation) -> Array:
         columns, rows = self._cells(seen.poses[..., :2])
         fresh = numpy.zeros(seen.stalls.shape)
         worlds = numpy.arange(len(fresh))
@@ -321,10 +323,10 @@ class Foraging(Task):
         self.carries[which] = False
         self.empty[which] = False
 
-    def _energy(self, seen: Situation) -> numpy.ndarray:
+    def _energy(self, seen: Situation) -> Array:
         return seen.energy[:, -self.robots:]  # the charger's store is before those of the robots
 
-    def _to_target(self, seen: Situation) -> numpy.ndarray:
+    def _to_target(self, seen: Situation) -> Array:
         return self.places[self.carries.astype(int)] - seen.poses[..., :2]
 
     def features(self, seen):
