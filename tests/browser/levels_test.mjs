@@ -89,4 +89,38 @@ async function followsIntoALift() {
   await end(page, run);
 }
 
-await pages.runAll([choosesLevels, followsIntoALift], path);
+// All things of the building are found by their kinds and names; what stays when its program has ended says so.
+async function findsAllThings() {
+  const {run, page} = await start('things', 'view=top');
+  const kinds = page.locator('#thing-kinds button');
+  assert.deepEqual(await kinds.allTextContents(), ['Robots 2', 'Doors 8', 'Lifts 1', 'People 3', 'Levels 2']);
+  const rows = () => page.locator('#robot-list .robot').allTextContents();
+  await page.click('#thing-kinds >> text=Doors');
+  await until('doors are listed', async () => (await rows()).includes('lobby_dooropen'));
+  await page.click('#robot-list >> text=lobby_door');
+  await page.locator('#panel-doors >> text=Close').click();
+  void page.evaluate(() => window.troupe.request('step', {ticks: 100}));
+  await until('the door is closed', async () => (await rows()).includes('lobby_doorclosed'));
+  await page.click('#thing-kinds >> text=Levels');
+  await until('levels are listed', async () => /^L1.*,L2.*$/.test((await rows()).join()));
+  assert.match((await rows())[0], /2 robots/);
+  await page.click('#robot-list >> text=L2');
+  assert.equal((await levels(page)).choice, 'L2');
+  // A search goes over all kinds.
+  await page.fill('#robot-search', 'lift');
+  await until('the lift is found', async () => (await rows()).some(row => row.startsWith('guest_lift')));
+  assert.deepEqual(await page.locator('#robot-list h3').allTextContents(), ['Doors', 'Lifts']);
+  await page.screenshot({path: path('things.png')});
+
+  await run.stop();
+  await until('the page knows that its program has ended', async () => (await page.textContent('#factor')) === 'ended');
+  for (const id of ['play', 'live', 'back', 'step', 'timeline']) assert.ok(await page.locator(`#${id}`).isDisabled(), id);
+  await page.locator('#end-card >> text=Look at the end').waitFor();
+  assert.equal(await page.locator('#end-card >> text=Replay').count(), 0);
+  await page.screenshot({path: path('ended.png')});
+  await page.locator('#end-card >> text=Run again').click();
+  assert.match(await page.textContent('.end-command'), /troupe run .*guesthouse_lift.json/);
+  await page.close();
+}
+
+await pages.runAll([choosesLevels, followsIntoALift, findsAllThings], path);

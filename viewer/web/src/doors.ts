@@ -62,7 +62,7 @@ export class DoorButtons {
   }
 }
 
-function doorText(run: Run, door: number): string {
+export function doorText(run: Run, door: number): string {
   const {opening, target, held, blocked} = run.doors[door];
   const aim = held ? 1 : target;
   if (blocked) return `blocked, ${Math.round(100 * opening)} % open`;
@@ -70,7 +70,7 @@ function doorText(run: Run, door: number): string {
   return opening === 0 ? 'closed' : opening === 1 ? 'open' : `${Math.round(100 * opening)} % open`;
 }
 
-function liftText(run: Run, lift: number): string {
+export function liftText(run: Run, lift: number): string {
   const {z, floor, session, blocked} = run.lifts[lift];
   const {floors} = run.world.lifts[lift];
   const name = floors[floor]?.name ?? '?';

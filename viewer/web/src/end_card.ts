@@ -45,6 +45,7 @@ export class EndCard {
   private run: Run | null = null;
   private shownFor = '';  // the run whose end was shown
   private asking = false;
+  private online = true;
 
   constructor(private readonly connection: Connection, private readonly host: EndCardHost) {
     this.card.id = 'end-card';
@@ -77,6 +78,13 @@ export class EndCard {
     this.set(true);
   }
 
+  // False: no program answers.
+  setOnline(online: boolean): void {
+    if (this.online === online) return;
+    this.online = online;
+    if (this.isOpen) this.offer();
+  }
+
   set(open: boolean): void {
     this.card.hidden = !open;
     if (!open || !this.run) return;
@@ -97,19 +105,20 @@ export class EndCard {
   private offer(): void {
     const info = this.host.info();
     const words = info?.command ?? [];
-    const starts = info?.runs_again ? 'Starts it again' : 'The command that starts it again';
+    const starts = info?.runs_again && this.online ? 'Starts it again' : 'The command that starts it again';
     const replay = this.button('Replay', 'Play the run again from its start, as it was', () => {
       this.set(false);
       this.host.replay();
     });
     replay.classList.add('strong');
-    const buttons = [replay, this.button('Look back', 'Close this, and drag the timeline', () => this.set(false))];
-    if (words.length > 0 || info?.runs_again) {
+    const buttons = this.online ? [replay, this.button('Look back', 'Close this, and drag the timeline', () => this.set(false))]
+      : [this.button('Look at the end', 'Close this: the last state stays', () => this.set(false))];
+    if (words.length > 0 || (this.online && info?.runs_again)) {
       buttons.push(
         this.button('Run again', starts, () => void this.runAgain(words, null)),
         this.button('Another seed', `${starts} with another seed`, () => void this.runAgain(words, Math.floor(1 + 1e6 * Math.random()))));
     }
-    if (info?.saves_recording) {
+    if (info?.saves_recording && this.online) {
       buttons.push(this.button('Save the recording', 'A file for troupe view, troupe replay and troupe export', () => {
         const link = document.createElement('a');
         link.href = `/recording.mcap${location.search}`;
@@ -117,6 +126,7 @@ export class EndCard {
         link.click();
       }));
     }
+    if (!this.online) buttons.unshift(make('p', 'end-gone faint', 'The program has ended: nothing before this can be shown.') as HTMLButtonElement);
     this.actions.replaceChildren(...buttons);
     this.command.hidden = true;
   }
@@ -125,7 +135,7 @@ export class EndCard {
   private async runAgain(words: string[], seed: number | null): Promise<void> {
     const withSeed = seed === null ? words
       : [...words.filter((word, i) => !word.startsWith('--seed') && words[i - 1] !== '--seed'), '--seed', String(seed)];
-    if (!this.host.info()?.runs_again) return this.tell(withSeed);
+    if (!this.online || !this.host.info()?.runs_again) return this.tell(withSeed);
     const reply = await this.connection.runAgain(seed);
     if (!reply.done) return words.length > 0 ? this.tell(withSeed) : toast(reply.problem, true);
     toast(seed === null ? 'The run starts again' : `The run starts again, with seed ${seed}`);

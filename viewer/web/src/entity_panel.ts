@@ -6,7 +6,7 @@ import {color} from './colors';
 import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';
 import {JointType, OBJECT_MODES, scansOf, type Light, type Pose, type Reading, type RobotGoal} from './protocol';
-import {robotState} from './robot_list';
+import {robotState} from './thing_list';
 import {compose, degrees, isInTree, nameOf, poseOf, type Entity, type Run} from './run';
 import {bearing, flattestPlane, raysOf} from './sensor_marks';
 import {SensorViews} from './sensor_views';

@@ -19,10 +19,10 @@ import {EventList} from './events';
 import {Expectations} from './expectations';
 import {Experiment} from './experiment';
 import {Plots} from './plots';
-import {RobotList} from './robot_list';
 import {findEntity, nameOf, Run, sameEntity, type Entity} from './run';
 import {WorldScene, type ViewName} from './scene';
 import {installTestInterface} from './test_interface';
+import {ThingList} from './thing_list';
 import {TimeBar} from './time_bar';
 import {Popup, Toolbar} from './toolbar';
 
@@ -89,14 +89,12 @@ class Viewer {
   // First, so that the world is on its way while the graphics start.
   private readonly connection = new Connection({
     onOpen: () => {
-      this.online = true;
+      this.setOnline(true);
       this.sendSelection();
-      this.showConnection();
     },
     onClosed: () => {
-      this.online = false;
       this.timeBar.timeline.reset();
-      this.showConnection();
+      this.setOnline(false);
     },
     onSession: info => this.onSession(info),
     onStatus: status => {
@@ -144,8 +142,12 @@ class Viewer {
   private readonly video: Video;
   private readonly panel = new EntityPanel();
   private readonly agents: Agents;
-  private readonly robots = new RobotList(
-    robot => this.selectAndCenter({kind: 'robot', index: robot}), robot => this.agentHint(robot));
+  private readonly things = new ThingList({
+    select: entity => this.selectAndCenter(entity),
+    showLevel: name => this.scene.chooseLevels(name),
+    refresh: () => this.refresh(),
+    hint: robot => this.agentHint(robot),
+  });
   private readonly events = new EventList(event => this.showEvent(event));
   private readonly plots = new Plots(
     byId('plots'), this.connection, position => this.timeBar.timeline.seek(position),
@@ -317,7 +319,7 @@ class Viewer {
   private refreshPanels(): void {
     this.timeBar.show(this.run);
     if (!this.run?.hasState) return;
-    this.robots.show(this.run, this.selected?.kind === 'robot' ? this.selected.index : -1);
+    this.things.show(this.run, this.selected, this.scene.levels);
     this.panel.show(this.run, this.selected, this.agentOf(this.selectedRobot));
     this.grippers.show(this.run, this.selectedRobot);
     this.doors.show(this.run, this.selected);
@@ -338,6 +340,7 @@ class Viewer {
     const info = this.info;
     const refusal = info?.view_only ? 'This page only shows the run: it was started with --view-only.'
       : info?.recording ? 'A recording cannot be changed. "troupe run FILE --from-tick T" continues it as a run.'
+      : !this.online ? 'The program that serves this page has ended.'
       : this.run?.over ? 'The run is over.'
       : this.run?.past ? 'This is a past state. "Live" returns to the run.' : '';
     for (const id of ['move', 'add', 'undo', 'redo', 'rename', 'delete']) allow(id, refusal);
@@ -357,6 +360,15 @@ class Viewer {
   private agentHint(robot: string): string {
     const agent = this.agentOf(this.run?.world.robots.findIndex(r => r.present && r.name === robot) ?? -1);
     return agent ? agentText(agent) : '';
+  }
+
+  // Without the program that serves the page its last state stays, and nothing that would ask the program is offered.
+  private setOnline(online: boolean): void {
+    this.online = online;
+    this.timeBar.setOnline(online);
+    this.endCard.setOnline(online);
+    this.showConnection();
+    this.refresh();
   }
 
   private showConnection(): void {

@@ -21,6 +21,7 @@ export class TimeBar {
   private readonly reset = byId<HTMLButtonElement>('reset');
   private readonly speed = byId<HTMLSelectElement>('speed');
   private viewOnly = false;
+  private online = true;
   readonly timeline: Timeline;
 
   constructor(private readonly connection: Connection, changed: () => void) {
@@ -40,13 +41,22 @@ export class TimeBar {
     this.viewOnly = viewOnly;
   }
 
+  // False: no program answers.
+  setOnline(online: boolean): void {
+    this.online = online;
+    this.timeline.setOnline(online);
+    this.show(this.run);
+  }
+
   toggle(): void {
+    if (!this.online) return;
     if (this.timeline.inPast) this.timeline.toggle();
     else if (this.run?.over) this.timeline.replay();
     else if (!this.play.disabled) void this.send(this.run?.paused ? 'play' : 'pause');
   }
 
   step(ticks: number): void {
+    if (!this.online) return;
     if (this.timeline.inPast) this.timeline.step(ticks);
     else if (!this.stepOne.disabled) void this.send('step', {ticks});
   }
@@ -54,10 +64,10 @@ export class TimeBar {
   show(run: Run | null): void {
     this.run = run;
     const past = this.timeline.inPast;
-    const usable = run !== null && run.hasState && (past || (!run.over && !this.viewOnly));
+    const usable = this.online && run !== null && run.hasState && (past || (!run.over && !this.viewOnly));
     const over = run !== null && run.hasState && run.over && !past;
     const stands = over || (past ? !this.timeline.isPlaying : run?.paused ?? false);
-    this.play.disabled = !usable && !over;
+    this.play.disabled = !this.online || (!usable && !over);
     this.speed.disabled = !usable;
     this.reset.disabled = !usable || past;
     this.stepOne.disabled = this.stepTen.disabled = !usable || !stands;
@@ -69,7 +79,7 @@ export class TimeBar {
     if (status && !past && document.activeElement !== this.speed) this.showSpeed(status.speed ?? 0);
     setText(byId('time'), clockText(run.seconds));
     setText(byId('tick'), status && status.target_ticks > 0 ? `tick ${run.tick} of ${status.target_ticks}` : `tick ${run.tick}`);
-    setText(byId('factor'), past ? (run.past ? 'the past' : 'going back') : run.over ? 'the run is over' : run.paused ? 'paused'
+    setText(byId('factor'), !this.online ? 'ended' : past ? (run.past ? 'the past' : 'going back') : run.over ? 'the run is over' : run.paused ? 'paused'
       : status ? `${fixed(status.real_time_factor, status.real_time_factor < 10 ? 1 : 0)} × real time` : '');
     const phases = Object.entries(status?.phases ?? {});
     const live = status !== null && !past && !run.over && !run.paused && phases.some(([, seconds]) => seconds > 0);

@@ -18,6 +18,7 @@ const FASTEST = 200;  // times real time, in place of "max"
 export class Timeline {
   private run: Run | null = null;
   private recording = false;
+  private online = true;
   private past = false;  // shows, or waits for, a past state
   private wanted: number | null = null;  // the newest position that was asked for and not shown yet
   private sent: number | null = null;  // that the gateway has not answered yet
@@ -60,6 +61,13 @@ export class Timeline {
   reset(): void {
     this.sent = this.wanted = null;
     this.past = this.recording;
+  }
+
+  // False: no program answers.
+  setOnline(online: boolean): void {
+    this.online = online;
+    this.slider.disabled = !online;
+    for (const id of ['back', 'step-back']) byId<HTMLButtonElement>(id).disabled = !online;
   }
 
   seek(position: number): void {
@@ -129,8 +137,8 @@ export class Timeline {
       this.slider.max = String(Math.max(run.last, run.first + 1));
     }
     this.slider.value = String(this.past ? Math.round(this.position) : run.last);
-    byId<HTMLButtonElement>('live').disabled = this.recording;
-    byId<HTMLButtonElement>('continue').disabled = this.recording || !run.past;
+    byId<HTMLButtonElement>('live').disabled = this.recording || !this.online;
+    byId<HTMLButtonElement>('continue').disabled = this.recording || !run.past || !this.online;
     byId('live').classList.toggle('on', !this.past);
     byId<HTMLButtonElement>('back').disabled = byId<HTMLButtonElement>('step-back').disabled = !this.past;
     byId('back').classList.toggle('on', this.playing < 0);
