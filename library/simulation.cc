@@ -23,6 +23,7 @@
 #include "common/model/states.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/check_order.h"
+#include "common/spatial/occupancy_grid.h"
 #include "common/spatial/scene.h"
 #include "library/save_picture.h"
 #include "library/simulation_content.h"
@@ -287,6 +288,15 @@ Status Simulation::DriveBy(RobotId robot, const Twist& twist) {
 
 void Simulation::Release(RobotId robot) {
   impl_->now.commands[robot.index()] = {};
+}
+
+Result<OccupancyGrid> Simulation::MakeMap(std::optional<double> resolution, std::optional<double> z) const {
+  if (resolution && !(std::isfinite(*resolution) && *resolution > 0.0)) {
+    return BadInput("found a resolution of " + std::to_string(*resolution) + ", expected more than 0");
+  }
+  if (z && !std::isfinite(*z)) return BadInput("found a height that is not finite");
+  const Scene& scene = *impl_->now.scene;
+  return MakeOccupancyGrid(scene, resolution, z.value_or(UsualMapHeight(scene)));
 }
 
 Result<std::string> Simulation::DrawPicture(const PictureOptions& options, PictureRays rays) const {

@@ -1,4 +1,4 @@
-// OccupancyGrid: the static bodies of a world at one height, as cells: the static map of a robot's navigation.
+// Occupancy grids of scenes: the static map of a robot's navigation.
 //
 // For users who need a map in the form of ROS (nav_msgs/OccupancyGrid): topics, map files, and controllers that plan by
 // the map of a program. The simulation itself does not use it: its own tests are exact.
@@ -9,22 +9,11 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "common/spatial/scene.h"
+#include "troupe/occupancy_grid.h"
 
 namespace troupe {
-
-struct OccupancyGrid {
-  double resolution = 0.05;  // m, side of a cell
-  double origin_x = 0.0;     // m, frame W: the corner of cell 0 with the smallest x and y
-  double origin_y = 0.0;
-  std::uint32_t width = 0;     // cells along x
-  std::uint32_t height = 0;    // cells along y
-  std::vector<bool> occupied;  // row by row, rows along x
-
-  bool empty() const { return occupied.empty(); }
-};
 
 inline constexpr std::uint64_t kMaxGridCells = 16'000'000;
 inline constexpr double kDefaultGridResolution = 0.05;  // m

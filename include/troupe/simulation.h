@@ -18,6 +18,7 @@
 #include "troupe/controller.h"
 #include "troupe/event.h"
 #include "troupe/ids.h"
+#include "troupe/occupancy_grid.h"
 #include "troupe/order.h"
 #include "troupe/picture_options.h"
 #include "troupe/pose.h"
@@ -165,6 +166,12 @@ class Simulation {
   // A further simulation that continues from `snapshot`, with the constant parts of its world in the same memory.
   // The error is a controller that cannot be copied.
   static Result<Simulation> Continue(const Snapshot& snapshot);
+
+  // The static bodies that reach through height `z` (m), as cells of `resolution` (m). Nothing: the resolution of the
+  // world's ROS map or 0.05, and the height of the world's lowest sensor with several rays. At most 16 million cells: a
+  // resolution that would give more is doubled until it does not. The error is a number that is not finite, or not
+  // positive.
+  Result<OccupancyGrid> MakeMap(std::optional<double> resolution = {}, std::optional<double> z = {}) const;
 
   // Draws the present state: the bytes of a file in options.format. The error's code is kBadInput for options out of
   // bounds.

@@ -50,6 +50,19 @@ Command ToCommand(py::handle value);
 // The array of a caller to write into: of float32 or float64, writable, in one piece, and of that shape.
 py::array OutputArray(const py::object& out, const std::vector<py::ssize_t>& shape, const char* what);
 
+// A new array, or `out`, which must be of that type and shape, writable and in one piece.
+template <typename Value>
+py::array_t<Value> ArrayOf(const py::object& out, const std::vector<py::ssize_t>& shape, const char* type) {
+  if (out.is_none()) return py::array_t<Value>(shape);
+  using Array = py::array_t<Value, py::array::c_style>;
+  if (!Array::check_(out)) throw py::type_error(std::string("out: expected an array of ") + type + " in one piece");
+  auto array = py::reinterpret_borrow<Array>(out);
+  if (!array.writeable() || std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()) != shape) {
+    throw py::value_error("out: expected a writable array of the shape of the result");
+  }
+  return array;
+}
+
 // `what` starts the message of the error.
 double ToNumber(py::handle value, const char* what);
 std::size_t ToIndex(py::handle value, const char* what);

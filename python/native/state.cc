@@ -88,6 +88,36 @@ py::array Ranges(const WorldPointer& world, const py::object& sensor, const py::
   return array;
 }
 
+template <auto part, typename Value>
+py::array Images(const WorldPointer& world, const py::object& sensor, const py::object& out, const char* type,
+                 std::vector<py::ssize_t> channels) {
+  const World::Use use(*world);
+  const std::vector<std::size_t> sensors = world->FindSensors(sensor);
+  const std::pair<std::size_t, std::size_t> size = world->ImageShape(sensors);
+  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(sensors.size()), static_cast<py::ssize_t>(size.first),
+                                    static_cast<py::ssize_t>(size.second)};
+  shape.insert(shape.end(), channels.begin(), channels.end());
+  py::array_t<Value> array = ArrayOf<Value>(out, shape, type);
+  Value* const data = array.mutable_data();
+  const py::gil_scoped_release release;
+  world->CopyImages<part>(sensors, size, data);
+  return array;
+}
+
+// (occupied, resolution, origin).
+py::tuple MapOf(const WorldPointer& world, std::optional<double> resolution, std::optional<double> z) {
+  const World::Use use(*world);
+  std::optional<Result<OccupancyGrid>> made;
+  {
+    const py::gil_scoped_release release;
+    made.emplace(use->MakeMap(resolution, z));
+  }
+  const OccupancyGrid grid = ValueOf(*std::move(made));
+  py::array_t<bool> cells({static_cast<py::ssize_t>(grid.height), static_cast<py::ssize_t>(grid.width)});
+  std::copy(grid.occupied.begin(), grid.occupied.end(), cells.mutable_data());
+  return Record("Map")(cells, grid.resolution, py::make_tuple(grid.origin_x, grid.origin_y));
+}
+
 PictureOptions PictureOptionsOf(const std::string& view, const std::string& format, std::optional<int> width,
                                 std::optional<std::pair<double, double>> center, std::optional<double> meters) {
   PictureOptions options;
@@ -259,6 +289,25 @@ sensor: a name, a type ("ranger": the robot's first) or a number. Whether it is 
 
 out: a writable array of that shape, of float32 or float64, to write into. Raises ValueError if the robots' rangers have
 different numbers of rays.)")
+      .def(
+          "images",
+          [](const WorldPointer& world, const py::object& sensor, const py::object& out) {
+            return Images<&CameraReading::colors, std::uint8_t>(world, sensor, out, "uint8", {3});
+          },
+          "sensor"_a = "camera", "out"_a = py::none(),
+          "uint8 (robots, height, width, 3): the pictures of all robots' cameras. out: an array to write into.")
+      .def(
+          "depths",
+          [](const WorldPointer& world, const py::object& sensor, const py::object& out) {
+            return Images<&CameraReading::depths, float>(world, sensor, out, "float32", {});
+          },
+          "sensor"_a = "camera", "out"_a = py::none(),
+          "float32 (robots, height, width): m ahead; -inf: too near, inf: no hit. out: an array to write into.")
+      .def("map", MapOf, "resolution"_a = py::none(), "z"_a = py::none(),
+           R"(The static bodies as a Map: an array of cells, row 0 the lowest in y.
+
+resolution: m, of a cell; by default that of the world's ROS map, or 0.05. z: the height, m, that bodies reach through; by
+default that of the lowest lidar. World.map takes such an array.)")
       .def(
           "held",
           [](const WorldPointer& world, const py::object& robot) {

@@ -173,6 +173,24 @@ class Worlds {
     return FillRows(out, rays, "out", [&](World& world, auto* row) { world.CopyRanges(sensors, rays, row); });
   }
 
+  // Of the cameras of all robots: (worlds, robots, height, width, channels ...).
+  template <auto part, typename Value>
+  py::array Images(const py::object& sensor, const py::object& out, const char* type,
+                   const std::vector<py::ssize_t>& channels) {
+    const Uses uses(worlds_);
+    const std::vector<std::size_t> sensors = worlds_[0]->FindSensors(sensor);
+    const std::pair<std::size_t, std::size_t> size_of_image = worlds_[0]->ImageShape(sensors);
+    std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(robots()),
+                                      static_cast<py::ssize_t>(size_of_image.first),
+                                      static_cast<py::ssize_t>(size_of_image.second)};
+    shape.insert(shape.end(), channels.begin(), channels.end());
+    py::array_t<Value> array = ArrayOf<Value>(out, shape, type);
+    const auto per_world = static_cast<std::size_t>(array.size()) / size();
+    Fill(array.mutable_data(), per_world,
+         [&](World& world, Value* row) { world.CopyImages<part>(sensors, size_of_image, row); });
+    return array;
+  }
+
   // The columns of a table of things, each with the worlds as its first axis.
   py::dict Table(const std::string& name) {
     const StateTable& table = FindTable(name);
@@ -476,6 +494,20 @@ void DefineArrays(py::class_<Worlds, WorldsPointer>& simulation) {
            "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
       .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
            "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
+      .def(
+          "images",
+          [](const WorldsPointer& worlds, const py::object& sensor, const py::object& out) {
+            return worlds->Images<&CameraReading::colors, std::uint8_t>(sensor, out, "uint8", {3});
+          },
+          "sensor"_a = "camera", "out"_a = py::none(),
+          "uint8 (worlds, robots, height, width, 3): the pictures of all cameras; see Simulation.images.")
+      .def(
+          "depths",
+          [](const WorldsPointer& worlds, const py::object& sensor, const py::object& out) {
+            return worlds->Images<&CameraReading::depths, float>(sensor, out, "float32", {});
+          },
+          "sensor"_a = "camera", "out"_a = py::none(),
+          "float32 (worlds, robots, height, width): m ahead; see Simulation.depths.")
       .def("table", Held(&Worlds::Table), "name"_a,
            R"(A table of things of all worlds, such as "doors": a dict with the columns of Simulation.table.
 

@@ -253,6 +253,25 @@ const std::vector<double>& World::Ranges(RobotId robot, std::size_t sensor, std:
   return ranger->ranges;
 }
 
+std::pair<std::size_t, std::size_t> World::ImageShape(const std::vector<std::size_t>& sensors) {
+  if (sensors.empty()) return {0, 0};
+  const auto* const camera = simulation_.Read(RobotId(0), sensors[0]).As<CameraReading>();
+  if (camera == nullptr) throw py::value_error(fmt::format("sensor {} of the first robot is no camera", sensors[0]));
+  return {camera->height, camera->width};
+}
+
+const CameraReading& World::Image(RobotId robot, std::size_t sensor, std::pair<std::size_t, std::size_t> shape) const {
+  const std::string& name = simulation_.world().robot(robot).name;
+  const auto* const camera =
+      sensor < sensor_count(robot) ? simulation_.Read(robot, sensor).As<CameraReading>() : nullptr;
+  if (camera == nullptr) throw py::value_error(fmt::format("sensor {} of robot {} is no camera", sensor, name));
+  if (camera->height != shape.first || camera->width != shape.second) {
+    throw py::value_error(fmt::format("the images of robot {} have {} x {} pixels, expected {} x {} as the first robot's",
+                                      name, camera->width, camera->height, shape.second, shape.first));
+  }
+  return *camera;
+}
+
 void World::CheckRobots(std::size_t count) const {
   if (const std::size_t found = simulation_.world().robots.size(); found != count) {
     throw py::value_error(fmt::format("a world has {} robots, expected {}", found, count));

@@ -17,6 +17,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -27,6 +28,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/signals/state_tables.h"
@@ -159,6 +161,18 @@ class World {
       for (const double range : Ranges(RobotId(i), sensors[i], rays)) *out++ = static_cast<Number>(range);
     }
   }
+  // Height and width of the images of the first robot's camera. The error is a sensor that is no camera.
+  std::pair<std::size_t, std::size_t> ImageShape(const std::vector<std::size_t>& sensors);
+  // Writes the colours or depths of the camera of each robot, one after another. The error is a robot whose camera has
+  // images of another shape. Needs no lock of the interpreter.
+  template <auto part, typename Value>
+  void CopyImages(const std::vector<std::size_t>& sensors, std::pair<std::size_t, std::size_t> shape, Value* out) const {
+    CheckRobots(sensors.size());
+    for (std::size_t i = 0; i < sensors.size(); ++i) {
+      const auto& pixels = Image(RobotId(i), sensors[i], shape).*part;
+      out = std::copy(pixels.begin(), pixels.end(), out);
+    }
+  }
   // The error is another number of robots, as after the restoration of a snapshot of another world.
   void CheckRobots(std::size_t count) const;
   // For all robots, by name, type or number.
@@ -173,6 +187,7 @@ class World {
   void Prepare();  // for another world
   // `before`: the number of events of the last tick before the edit.
   void FollowEdit(std::size_t before);
+  const CameraReading& Image(RobotId robot, std::size_t sensor, std::pair<std::size_t, std::size_t> shape) const;
   const std::vector<double>& Ranges(RobotId robot, std::size_t sensor, std::size_t rays) const;
 
   Simulation simulation_;

@@ -7,7 +7,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from .picture import Picture
-from .records import Command, Event, Pose, Reading, RobotInfo
+from .records import Command, Event, Map, Pose, Reading, RobotInfo
 from .world import World
 
 _File = Union[str, bytes, "os.PathLike[str]"]
@@ -102,6 +102,12 @@ class State:
         """The reading of a sensor, by name, type or number. Whether it is read changes nothing."""
     def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(robots, rays), m. ValueError if the numbers of rays differ."""
+    def images(self, sensor: _Robot = "camera", out: Optional[NDArray[numpy.uint8]] = None) -> NDArray[numpy.uint8]:
+        """(robots, height, width, 3), of all robots' cameras."""
+    def depths(self, sensor: _Robot = "camera", out: Optional[NDArray[numpy.float32]] = None) -> NDArray[numpy.float32]:
+        """(robots, height, width), m ahead; -inf: too near, inf: no hit."""
+    def map(self, resolution: Optional[float] = None, z: Optional[float] = None) -> Map:
+        """The static bodies that reach through the height z (m)."""
     def held(self, robot: _Robot) -> List[Optional[str]]:
         """The object that each gripper holds."""
     def copy(self) -> "Simulation":
@@ -220,6 +226,10 @@ class VectorSimulation:
         """(worlds, stores): J."""
     def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, robots, rays), m."""
+    def images(self, sensor: _Robot = "camera", out: Optional[NDArray[numpy.uint8]] = None) -> NDArray[numpy.uint8]:
+        """(worlds, robots, height, width, 3)."""
+    def depths(self, sensor: _Robot = "camera", out: Optional[NDArray[numpy.float32]] = None) -> NDArray[numpy.float32]:
+        """(worlds, robots, height, width), m ahead."""
     def table(self, name: str) -> Dict[str, Union[numpy.ndarray[Any, Any], Tuple[Tuple[str, ...], ...]]]:
         """As Simulation.table, with the worlds as first axis: arrays (worlds, rows), and a tuple of texts for each world.
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "GripperInfo", "RobotInfo",
            "RangeScan", "RangerReading", "Beam", "BreakBeamReading", "Fiducial", "FiducialReading", "BumperSegment",
-           "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "CameraReading", "Place",
+           "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "Map", "CameraReading", "Place",
            "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
            "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightOrder", "CameraOrder", "DoorOrder",
            "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "Command"]
@@ -236,6 +236,14 @@ class BlobfinderReading(NamedTuple):
     height: int
     fov: float  # rad, of the width
     blobs: Tuple[Blob, ...]
+
+
+class Map(NamedTuple):
+    """The static bodies of a world at one height."""
+
+    occupied: "numpy.ndarray[Any, Any]"  # bool (rows, columns); row 0 is the lowest in y
+    resolution: float  # m, of a cell
+    origin: Tuple[float, float]  # m in W: the lower left corner of cell (0, 0)
 
 
 class CameraReading(NamedTuple):

@@ -111,6 +111,46 @@ class Worlds(unittest.TestCase):
             "anna", (1, 0, 0), "position", size=[0.2, 0.2, 0.2], children=[lidar(9, samples=5)])
         self.assertAlmostEqual(troupe.Simulation(turned).read("anna", "ranger").ranges[2], 3.0, places=9)
 
+    def test_the_map_of_a_world_is_the_one_that_made_it(self):
+        grid = numpy.random.default_rng(1).random((30, 40)) < 0.2
+        sim = troupe.Simulation(World().map(grid, 0.1, origin=(-1, 2), height=0.5))
+        made = sim.map()
+        numpy.testing.assert_array_equal(made.occupied, grid)
+        self.assertEqual((made.resolution, made.origin), (0.1, (-1.0, 2.0)))
+        self.assertFalse(sim.map(z=0.6).occupied.any())
+        self.assertEqual(sim.map(0.2).occupied.shape, (15, 20))
+        for bad in (0, -1, math.nan):
+            with self.assertRaises(troupe.InputError):
+                sim.map(bad)
+        office = troupe.Simulation(ROOT / "worlds/office.world").map(0.1)
+        again = troupe.Simulation(World().map(office.occupied, office.resolution, origin=office.origin)).map(0.1)
+        numpy.testing.assert_array_equal(again.occupied, office.occupied)
+
+    def test_images_are_those_of_the_readings(self):
+        eye = {"model": "camera", "properties": {"resolution": [24, 16]}}
+        world = World(seed=1).box((2, 0, 0), (0.5, 0.5, 1), color="red")
+        for i in range(2):
+            world.robot(f"r{i}", (0, i, 0), children=[eye])
+        sim = troupe.Simulation(world)
+        images, depths = sim.images(), sim.depths()
+        self.assertEqual((images.shape, images.dtype), ((2, 16, 24, 3), numpy.uint8))
+        self.assertEqual((depths.shape, depths.dtype), ((2, 16, 24), numpy.float32))
+        for i in range(2):
+            reading = sim.read(i, "camera")
+            numpy.testing.assert_array_equal(images[i], reading.colors)
+            numpy.testing.assert_array_equal(depths[i], reading.depths)
+        self.assertGreater(images[0].max(), images[0].min())
+        vector = troupe.VectorSimulation(world, 3, seeds=[1, 1, 2])
+        out = numpy.zeros((3, 2, 16, 24, 3), numpy.uint8)
+        self.assertIs(vector.images(out=out), out)
+        numpy.testing.assert_array_equal(out[1], images)
+        numpy.testing.assert_array_equal(vector.depths()[0], depths)
+        for error, call in ((ValueError, lambda: sim.images("ranger")), (ValueError, lambda: sim.images(out=numpy.zeros((2, 16, 24), numpy.uint8))),
+                            (TypeError, lambda: sim.images(out=numpy.zeros((2, 16, 24, 3)))),
+                            (ValueError, lambda: troupe.Simulation(world.copy().robot("blind", (0, -1, 0))).images())):
+            with self.assertRaises(error):
+                call()
+
     def test_a_world_leaves_no_file_and_can_be_copied(self):
         before = set(os.listdir(tempfile.gettempdir()))
         world = World().map(numpy.eye(9))
