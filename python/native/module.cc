@@ -10,5 +10,6 @@ PYBIND11_MODULE(_troupe, module) {
   troupe::python::DefineVectorSimulation(module);
   troupe::python::DefineMonitors(module);
   troupe::python::DefineRecording(module);
+  troupe::python::DefinePixels(module);
   pybind11::module_::import("atexit").attr("register")(pybind11::cpp_function(&troupe::python::AwaitCalls));
 }

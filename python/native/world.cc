@@ -266,8 +266,9 @@ const CameraReading& World::Image(RobotId robot, std::size_t sensor, std::pair<s
       sensor < sensor_count(robot) ? simulation_.Read(robot, sensor).As<CameraReading>() : nullptr;
   if (camera == nullptr) throw py::value_error(fmt::format("sensor {} of robot {} is no camera", sensor, name));
   if (camera->height != shape.first || camera->width != shape.second) {
-    throw py::value_error(fmt::format("the images of robot {} have {} x {} pixels, expected {} x {} as the first robot's",
-                                      name, camera->width, camera->height, shape.second, shape.first));
+    throw py::value_error(
+        fmt::format("the images of robot {} have {} x {} pixels, expected {} x {} as the first robot's", name,
+                    camera->width, camera->height, shape.second, shape.first));
   }
   return *camera;
 }

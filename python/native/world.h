@@ -166,7 +166,8 @@ class World {
   // Writes the colours or depths of the camera of each robot, one after another. The error is a robot whose camera has
   // images of another shape. Needs no lock of the interpreter.
   template <auto part, typename Value>
-  void CopyImages(const std::vector<std::size_t>& sensors, std::pair<std::size_t, std::size_t> shape, Value* out) const {
+  void CopyImages(const std::vector<std::size_t>& sensors, std::pair<std::size_t, std::size_t> shape,
+                  Value* out) const {
     CheckRobots(sensors.size());
     for (std::size_t i = 0; i < sensors.size(); ++i) {
       const auto& pixels = Image(RobotId(i), sensors[i], shape).*part;
@@ -215,5 +216,6 @@ void DefineSimulation(py::module_& module);
 void DefineVectorSimulation(py::module_& module);
 void DefineMonitors(py::module_& module);
 void DefineRecording(py::module_& module);
+void DefinePixels(py::module_& module);
 
 }  // namespace troupe::python

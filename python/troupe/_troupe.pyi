@@ -285,5 +285,8 @@ class Metric:
     def value(self) -> Optional[float]:
         """After `finish`, in SI units; None if it does not exist."""
 
+def pixels(file: bytes) -> NDArray[numpy.uint8]:
+    """Of the bytes of a PNG file: (height, width, 3 or 4)."""
+
 def watch(simulation: Simulation, ticks: int, monitors: Sequence[Union[Monitor, Metric]], stop: bool = False) -> None:
     """Steps, and adds each tick to the monitors, the present one first. stop: when an expectation is false."""

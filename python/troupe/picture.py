@@ -6,7 +6,10 @@ It is a `bytes`, so that it can be written, sent and compared like any; equal st
 from __future__ import annotations
 
 import os
-from typing import Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+if TYPE_CHECKING:
+    import numpy
 
 
 class Picture(bytes):
@@ -16,6 +19,13 @@ class Picture(bytes):
     def format(self) -> str:
         """ "png" or "svg"."""
         return "png" if self.startswith(b"\x89PNG") else "svg"
+
+    def array(self) -> "numpy.ndarray[Any, Any]":
+        """The pixels of a PNG file, uint8 (height, width, 3 or 4), for videos and figures. ValueError for an SVG file."""
+        from ._troupe import pixels
+        if self.format != "png":
+            raise ValueError("found an SVG file, expected a PNG file")
+        return pixels(bytes(self))
 
     def save(self, file: Union[str, "os.PathLike[str]"]) -> None:
         """Writes the file. OSError if it cannot be written."""

@@ -1,6 +1,7 @@
 """The environments by the rules of PettingZoo's parallel_api_test and of Gymnasium's vector environments, whose own tests
 run where the packages are installed."""
 import importlib.util
+import pickle
 import unittest
 
 import numpy
@@ -94,6 +95,73 @@ class Parallel(unittest.TestCase):
         parallel_seed_test(lambda: rl.ParallelEnv(rl.Navigation()))
 
 
+class Single(unittest.TestCase):
+    def test_the_conventions(self):
+        for kind in TASKS:
+            env = rl.RobotEnv(kind(robots=1) if kind is not rl.Stacking else kind())
+            observation, info = env.reset(seed=5)
+            self.assertTrue(env.observation_space.contains(observation))
+            self.assertEqual(info, {})
+            first = env.state_hash
+            for _ in range(3):
+                observation, reward, ended, truncated, info = env.step(env.action_space.sample())
+                self.assertTrue(env.observation_space.contains(observation))
+                self.assertEqual((type(reward), type(ended), type(truncated), info), (float, bool, bool, {}))
+            env.reset(seed=5)
+            self.assertEqual(env.state_hash, first)
+        with self.assertRaisesRegex(ValueError, "found 4 robots, expected 1"):
+            rl.RobotEnv(rl.Navigation())
+
+    def test_discrete_actions_are_motions(self):
+        env, same = rl.RobotEnv(rl.Navigation(robots=1), discrete=True), rl.RobotEnv(rl.Navigation(robots=1))
+        self.assertEqual(env.action_space.n, len(rl.DISCRETE))
+        env.reset(seed=1)
+        same.reset(seed=1)
+        for i in (1, 2, 3, 4, 5, 6, 0):
+            numpy.testing.assert_array_equal(env.step(i)[0], same.step(rl.DISCRETE[i])[0])
+        with self.assertRaises(ValueError):
+            rl.RobotEnv(rl.Stacking(), discrete=True)
+
+    def test_a_pickled_environment_begins_anew(self):
+        for env in (rl.RobotEnv(rl.Navigation(robots=1), discrete=True), rl.ParallelEnv(rl.Navigation()),
+                    rl.VectorEnv(Short(), 2, autoreset="same_step")):
+            env.reset(seed=1)
+            other = pickle.loads(pickle.dumps(env))
+            self.assertEqual(type(other), type(env))
+            observations, _ = other.reset(seed=1)
+            again, _ = env.reset(seed=1)
+            if isinstance(env, rl.ParallelEnv):
+                observations, again = numpy.stack(list(observations.values())), numpy.stack(list(again.values()))
+            numpy.testing.assert_array_equal(observations, again)
+
+    def test_frames_for_videos(self):
+        env = rl.RobotEnv(rl.Navigation(robots=1), render_mode="rgb_array")
+        env.reset(seed=0)
+        frame = env.render()
+        self.assertEqual((frame.ndim, frame.shape[2], frame.dtype), (3, 3, numpy.uint8))
+        picture = env.simulation.picture()
+        self.assertEqual(picture.array().shape[:2], frame.shape[:2])
+        with self.assertRaises(ValueError):
+            env.simulation.picture(format="svg").array()
+
+    @unittest.skipUnless(importlib.util.find_spec("gymnasium"), "gymnasium is not installed")
+    def test_gymnasium(self):
+        from gymnasium.utils.env_checker import check_env
+        for kind in TASKS:
+            check_env(rl.RobotEnv(kind(robots=1) if kind is not rl.Stacking else kind(), render_mode="rgb_array"),
+                      skip_render_check=True)
+        check_env(rl.RobotEnv(rl.Navigation(robots=1), discrete=True), skip_render_check=True)
+
+    @unittest.skipUnless(importlib.util.find_spec("stable_baselines3"), "stable_baselines3 is not installed")
+    def test_stable_baselines(self):
+        from stable_baselines3 import PPO
+        from stable_baselines3.common.env_checker import check_env
+        for discrete in (False, True):
+            env = rl.RobotEnv(rl.Navigation(robots=1), discrete=discrete)
+            check_env(env)
+            PPO("MlpPolicy", env, n_steps=64, batch_size=32, n_epochs=1, device="cpu").learn(128)
+
+
 class Vector(unittest.TestCase):
     def test_shapes(self):
         for kind in TASKS:
@@ -104,6 +172,9 @@ class Vector(unittest.TestCase):
             self.assertEqual(env.observation_space.shape[1:], env.single_observation_space.shape)
             self.assertEqual(infos, {})
             observations, rewards, terminations, truncations, infos = env.step(env.action_space.sample())
+            robots = env.single_action_space.shape[0]
+            self.assertEqual((infos["robot_rewards"].shape, infos["robot_ended"].shape), ((3, robots), (3, robots)))
+            numpy.testing.assert_allclose(infos["robot_rewards"].mean(axis=1), rewards)
             self.assertTrue(env.observation_space.contains(observations))
             self.assertEqual((rewards.shape, terminations.shape, truncations.shape), ((3,), (3,), (3,)))
             self.assertEqual((rewards.dtype, terminations.dtype, truncations.dtype), (float, bool, bool))

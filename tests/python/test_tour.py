@@ -1,5 +1,6 @@
 """Runs the code of docs/python.md, and the examples. Without the program troupe, as after `pip install`, the code that needs it
 is left out."""
+import importlib.util
 import json
 import os
 import pathlib
@@ -17,9 +18,10 @@ from support import PROGRAMS, ROOT
 def blocks(text):
     """(language, file or "", code, line) of each block of code."""
     program = shutil.which("troupe", path=f"{PROGRAMS}:{os.environ['PATH']}")
-    pattern = r"^```(python|json|sh)(?: file=(\S+)| needs=(troupe))?\n(.*?)^```"
+    pattern = r"^```(python|json|sh)(?: file=(\S+)| needs=(\w+))?\n(.*?)^```"
     for match in re.finditer(pattern, text, re.MULTILINE | re.DOTALL):
-        if program or not match[3]:
+        # The program troupe, or a package for Python.
+        if not match[3] or (program if match[3] == "troupe" else importlib.util.find_spec(match[3])):
             yield match[1], match[2] or "", match[4], text.count("\n", 0, match.start()) + 1
 
 

@@ -1,5 +1,5 @@
 """Reinforcement learning on worlds of troupe: environments by the conventions of PettingZoo (`ParallelEnv`) and of
-Gymnasium (`VectorEnv`), neither of which has to be installed, and tasks with reference scores.
+Gymnasium (`RobotEnv`, `VectorEnv`), neither of which has to be installed, and tasks with reference scores.
 
     env = troupe.rl.ParallelEnv(troupe.rl.Navigation(robots=4))
     observations, infos = env.reset(seed=1)
@@ -8,10 +8,10 @@ Gymnasium (`VectorEnv`), neither of which has to be installed, and tasks with re
 A task is a small class of functions on arrays over all worlds and robots: `Task` says which.
 """
 
-from .envs import Episodes, ParallelEnv, VectorEnv, evaluate
+from .envs import DISCRETE, Episodes, ParallelEnv, RobotEnv, VectorEnv, evaluate
 from .grippers import Carrying, Manipulation, Stacking
-from .spaces import Box
+from .spaces import Box, Discrete
 from .tasks import Coverage, Flocking, Foraging, Navigation, Situation, Task
 
-__all__ = ["Box", "Carrying", "Coverage", "Episodes", "Flocking", "Foraging", "Manipulation", "Navigation", "ParallelEnv",
-           "Situation", "Stacking", "Task", "VectorEnv", "evaluate"]
+__all__ = ["Box", "Carrying", "Coverage", "DISCRETE", "Discrete", "Episodes", "Flocking", "Foraging", "Manipulation", "Navigation",
+           "ParallelEnv", "RobotEnv", "Situation", "Stacking", "Task", "VectorEnv", "evaluate"]

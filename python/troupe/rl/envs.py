@@ -19,7 +19,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 import numpy
 
 from .._troupe import Simulation, VectorSimulation
-from .spaces import Array, Box
+from .spaces import Array, Box, Discrete
 from .tasks import Situation, Task
 
 
@@ -29,6 +29,10 @@ def _base(module: str, name: str) -> type:
         return getattr(importlib.import_module(module), name)
     except ImportError:
         return object
+
+
+# The motions (forward, turn) of discrete actions, by their numbers: stand, ahead, in a curve, on the spot, back.
+DISCRETE = numpy.array([(0.0, 0.0), (1.0, 0.0), (0.7, 0.6), (0.7, -0.6), (0.0, 1.0), (0.0, -1.0), (-0.5, 0.0)])
 
 
 def _whole(seed: Any) -> int:
@@ -181,6 +185,16 @@ class Episodes:
                          self._interval * self.task.ticks_per_step, self._objects, self._held, openings, lifts)
 
 
+def _rendered(sim: Simulation, mode: Optional[str]) -> Any:
+    picture = sim.picture(rays=True)
+    return picture.array()[..., :3].copy() if mode == "rgb_array" else picture
+
+
+def _remade(kind: Any, arguments: Tuple[Any, ...], options: Dict[str, Any]) -> Any:
+    """What pickle calls: an environment of the same kind, which begins anew."""
+    return kind(*arguments, **options)
+
+
 class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
     """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`."""
 
@@ -254,17 +268,68 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
         return self._episodes.worlds[0]
 
     def render(self) -> Any:
-        """The picture of the world as PNG bytes, or with render_mode "rgb_array" as an array, by matplotlib."""
-        picture = self._episodes.worlds[0].picture(rays=True)
-        if self.render_mode != "rgb_array":
-            return picture
-        import io
+        """The picture of the world as PNG bytes, or with render_mode "rgb_array" as an array."""
+        return _rendered(self._episodes.worlds[0], self.render_mode)
 
-        from matplotlib.image import imread
-        return (imread(io.BytesIO(picture))[..., :3] * 255).astype(numpy.uint8)
+    def __reduce__(self) -> Any:
+        # Of a process that a learner starts: there it begins its own episodes.
+        return _remade, (type(self), (self.task,), {"render_mode": self.render_mode})
 
     def close(self) -> None:
         self.agents = []
+
+
+class RobotEnv(_base("gymnasium", "Env")):  # type: ignore[misc]
+    """A task with one robot as Gymnasium's Env.
+
+    discrete: actions are numbers of DISCRETE, in place of (forward, turn) in [-1, 1]; not of robots with grippers.
+    """
+
+    def __init__(self, task: Task, *, discrete: bool = False, render_mode: Optional[str] = None) -> None:
+        self.metadata = {"render_modes": ["rgb_array", "png"], "render_fps": 10}
+        self.render_mode = render_mode
+        self.spec = None
+        self._episodes = Episodes(task, 1, threads=1)
+        self.task = self._episodes.task
+        if len(self._episodes.robots) != 1:
+            raise ValueError(f"task: found {len(self._episodes.robots)} robots, expected 1; ParallelEnv and VectorEnv have more")
+        if discrete and self.task.gripper:
+            raise ValueError("discrete: found a task with grippers, expected one of motion alone")
+        self.discrete = discrete
+        self.observation_space = Box(-numpy.inf, numpy.inf, (self._episodes.observation_size,))
+        self.action_space = Discrete(len(DISCRETE)) if discrete else Box(-1.0, 1.0, (self._episodes.action_size,))
+
+    def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
+              ) -> Tuple[Array, Dict[str, Any]]:
+        if seed is not None:
+            self._episodes.seed(seed)
+            self._np_random, self._np_random_seed = self._episodes.generators[0], seed
+        self._episodes.begin(numpy.array([True]))
+        return self._episodes.observe()[0, 0], {}
+
+    def step(self, action: Any) -> Tuple[Array, float, bool, bool, Dict[str, Any]]:
+        motion = DISCRETE[int(action)] if self.discrete else action
+        rewards, ended, truncated = self._episodes.step(numpy.asarray(motion, float).reshape(1, 1, -1))
+        over = bool(ended[0, 0])
+        return self._episodes.observe()[0, 0], float(rewards[0, 0]), over, bool(truncated[0]) and not over, {}
+
+    @property
+    def state_hash(self) -> int:
+        return self._episodes.worlds[0].state_hash
+
+    @property
+    def simulation(self) -> Simulation:
+        return self._episodes.worlds[0]
+
+    def render(self) -> Any:
+        """The picture of the world as PNG bytes, or with render_mode "rgb_array" as an array."""
+        return _rendered(self._episodes.worlds[0], self.render_mode)
+
+    def close(self) -> None:
+        pass
+
+    def __reduce__(self) -> Any:
+        return _remade, (type(self), (self.task,), {"discrete": self.discrete, "render_mode": self.render_mode})
 
 
 AUTORESET = ("next_step", "same_step", "disabled")
@@ -281,7 +346,8 @@ def _autoreset_value(mode: str) -> Any:
 class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
     """Many worlds as Gymnasium's VectorEnv: one environment is one world, with the robots in the rows of its arrays.
 
-    The reward of a world is the mean of its robots' rewards; it has terminated when the tasks of all robots are done.
+    The reward of a world is the mean of its robots' rewards, which infos["robot_rewards"] has, (worlds, robots); it has
+    terminated when the tasks of all robots are done (infos["robot_ended"]).
     autoreset: "next_step", "same_step" or "disabled", as Gymnasium defines them; then `reset` with
     options={"reset_mask": mask} begins single worlds.
     """
@@ -329,28 +395,35 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         return self._episodes.observe(), {}
 
     def step(self, actions: Any) -> Tuple[Array, Array, Array, Array, Dict[str, Any]]:
-        infos: Dict[str, Any] = {}
         again = self._over.copy() if self.autoreset == "next_step" else numpy.zeros(self.num_envs, bool)
         rewards, ended, truncated = self._episodes.step(actions, self._done)
         self._done |= ended
         terminations = self._done.all(axis=1)
         truncations = truncated & ~terminations
         totals = rewards.mean(axis=1)
+        every = numpy.ones(self.num_envs, bool)
+        # Of each robot, for learners that share a policy among them.
+        infos: Dict[str, Any] = {"robot_rewards": rewards, "_robot_rewards": every,
+                                 "robot_ended": self._done.copy(), "_robot_ended": every}
         if again.any():  # the action of a world that was over does not count: it begins again
             # Gymnasium's "next_step": the step after the end begins the next episode and returns its first observation.
             self._begin(again)
             totals[again], terminations[again], truncations[again] = 0.0, False, False
+            rewards[again], infos["robot_ended"][again] = 0.0, False
         self._over = terminations | truncations
         observations = self._episodes.observe()
         if self.autoreset == "same_step" and self._over.any():
             final = numpy.full(self.num_envs, None, object)
             for i in numpy.nonzero(self._over)[0]:
                 final[i] = observations[i]
-            infos = {"final_obs": final, "_final_obs": self._over.copy(), "final_info": {}, "_final_info": self._over.copy()}
+            infos.update({"final_obs": final, "_final_obs": self._over.copy(), "final_info": {}, "_final_info": self._over.copy()})
             # A copy: the beginning clears the mask while it is read.
             self._begin(self._over.copy())
             observations = self._episodes.observe()
         return observations, totals, terminations, truncations, infos
+
+    def __reduce__(self) -> Any:
+        return _remade, (type(self), (self.task, self.num_envs), {"autoreset": self.autoreset})
 
     @property
     def state_hashes(self) -> Array:

@@ -1,4 +1,4 @@
-"""Spaces: Gymnasium's Box, if that is installed, else one that has what environments and learners use of it."""
+"""Spaces: Gymnasium's Box and Discrete, if that is installed, else what environments and learners use of them."""
 
 from __future__ import annotations
 
@@ -41,6 +41,44 @@ class _Box:
 
     def __repr__(self) -> str:
         return f"Box({self.low.min()}, {self.high.max()}, {self.shape}, {self.dtype})"
+
+
+class _Discrete:
+    """Whole numbers from 0 to n - 1."""
+
+    def __init__(self, n: int, seed: Optional[int] = None) -> None:
+        self.n = n
+        self.dtype = numpy.dtype(numpy.int64)
+        self.shape: Sequence[int] = ()
+        self.seed(seed)
+
+    def seed(self, seed: Optional[int] = None) -> None:
+        self._generator = numpy.random.default_rng(seed)
+
+    def sample(self) -> numpy.int64:
+        return numpy.int64(self._generator.integers(self.n))
+
+    def contains(self, value: Any) -> bool:
+        array = numpy.asarray(value)
+        return array.shape == () and array.dtype.kind in "iu" and 0 <= int(array) < self.n
+
+    def __contains__(self, value: Any) -> bool:
+        return self.contains(value)
+
+    def __eq__(self, other: Any) -> bool:
+        return isinstance(other, _Discrete) and self.n == other.n
+
+    def __repr__(self) -> str:
+        return f"Discrete({self.n})"
+
+
+def Discrete(n: int) -> Any:
+    """gymnasium.spaces.Discrete, or the like."""
+    try:
+        from gymnasium.spaces import Discrete as GymnasiumDiscrete
+    except ImportError:
+        return _Discrete(n)
+    return GymnasiumDiscrete(n)
 
 
 def Box(low: Any, high: Any, shape: Sequence[int], dtype: Any = numpy.float32) -> Any:
