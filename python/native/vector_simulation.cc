@@ -432,9 +432,9 @@ WorldsPointer Load(const py::object& world, const py::object& num_envs, const py
   std::vector<std::shared_ptr<World>> worlds;
   const auto size = static_cast<std::size_t>(count);
   std::vector<Snapshot> starts;
-  const auto add = [&](std::shared_ptr<World> world) {
-    starts.push_back(ValueOf(world->simulation().Save()));
-    worlds.push_back(std::move(world));
+  const auto add = [&](std::shared_ptr<World> loaded) {
+    starts.push_back(ValueOf(loaded->simulation().Save()));
+    worlds.push_back(std::move(loaded));
   };
   const bool is_function = PyCallable_Check(world.ptr()) != 0;
   const auto input = [&](std::size_t i, std::optional<std::uint64_t> seed) {
