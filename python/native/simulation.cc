@@ -277,6 +277,14 @@ The page follows the steps, at most 60 times a second, until `close_view` or the
 returns the same address. port: 0 is any. program: the program troupe of the same version; by default that of the package.
 Raises RunError if there is none, InputError for an address that is none.)")
       .def(
+          "show",
+          [](const WorldPointer& world, int height) {
+            const std::string address = world->OpenPage({.address = "127.0.0.1", .port = 0});
+            return py::module_::import("troupe.picture").attr("Page")(address, height);
+          },
+          "height"_a = 500,
+          "The page of `view` in the cell of a notebook, `height` pixels high: the world can be turned, and follows the steps.")
+      .def(
           "close_view", [](const WorldPointer& world) { world->ClosePage(); },
           "Closes the page; it shows that the run is over.");
 }

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .errors import Error as Error
     from .errors import InputError as InputError
     from .errors import RunError as RunError
+    from .picture import Page as Page
     from .picture import Picture as Picture
     from .recording import Recording as Recording
     from .records import *  # noqa: F403
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 _MODULES = {"Simulation": "_troupe", "VectorSimulation": "_troupe", "Snapshot": "_troupe", "State": "_troupe",
             "Recording": "recording", "Controller": "controller", "World": "world", "lidar": "world",
-            "Error": "errors", "InputError": "errors", "RunError": "errors", "Picture": "picture"}
+            "Error": "errors", "InputError": "errors", "RunError": "errors", "Picture": "picture", "Page": "picture"}
 
 
 def __getattr__(name: str) -> Any:

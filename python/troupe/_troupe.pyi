@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
-from .picture import Picture
+from .picture import Page, Picture
 from .records import Command, Event, Map, Pose, Reading, RobotInfo
 from .world import World
 
@@ -166,6 +166,8 @@ class Simulation(State):
         """A line for each controller that has failed."""
     def view(self, *, address: str = "127.0.0.1", port: int = 0, program: Optional[_File] = None) -> str:
         """Opens the page on this simulation, and returns its address. RunError without the program troupe."""
+    def show(self, height: int = 500) -> Page:
+        """The page of `view` in the cell of a notebook."""
     def close_view(self) -> None:
         """The page shows that the run is over."""
 

@@ -1,6 +1,6 @@
-"""Picture: the bytes of a picture, which a notebook shows.
+"""Picture: the bytes of a picture, which a notebook shows; and Page, the page of a simulation in a cell.
 
-It is a `bytes`, so that it can be written, sent and compared like any; equal states give equal bytes.
+A picture is a `bytes`, so that it can be written, sent and compared like any; equal states give equal bytes.
 """
 
 from __future__ import annotations
@@ -37,3 +37,19 @@ class Picture(bytes):
 
     def _repr_svg_(self) -> Optional[str]:
         return self.decode() if self.format == "svg" else None
+
+
+class Page:
+    """The page of a simulation (`Simulation.view`) in the cell of a notebook."""
+
+    def __init__(self, address: str, height: int) -> None:
+        self.address = address
+        self.height = height
+
+    def _repr_html_(self) -> str:
+        from html import escape
+        return (f'<iframe src="{escape(self.address)}" width="100%" height="{self.height}" style="border: 1px solid #ccc" '
+                'title="The simulation"></iframe>')
+
+    def __repr__(self) -> str:
+        return f"<troupe.Page {self.address}>"

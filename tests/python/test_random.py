@@ -29,11 +29,15 @@ EXPECTED = (TypeError, ValueError, IndexError, KeyError, AttributeError, Runtime
 NAMES = {
     troupe.Simulation: ["step", "drive", "release", "read", "ranges", "held", "robot", "restore", "save", "copy", "picture",
                         "events", "poses", "stalls", "energy", "object_poses", "state_hash", "close_view", "__copy__",
-                        "__repr__", "reports", "failures", "grippers", "__init__"],
+                        "__repr__", "reports", "failures", "grippers", "__init__", "send_to", "cancel_goal", "set_door",
+                        "call_lift", "find_pose", "set_pose", "spawn", "delete", "map", "images", "depths"],
     troupe.State: ["read", "ranges", "held", "robot", "copy", "picture", "events", "poses", "twists", "state_hash", "tick",
                    "__init__", "__repr__"],
     troupe.VectorSimulation: ["step", "drive", "reset", "save", "poses", "twists", "stalls", "object_poses", "joint_positions",
-                              "energy", "ranges", "held", "__getitem__", "__len__", "state_hashes", "ticks"],
+                              "energy", "ranges", "held", "__getitem__", "__len__", "state_hashes", "ticks", "images",
+                              "depths"],
+    troupe.World: ["wall", "box", "block", "model", "map", "robot", "robots", "people", "place", "copy", "save", "__repr__",
+                   "_repr_png_"],
     troupe.Recording: ["__getitem__", "at_tick", "position", "ticks", "__len__", "__iter__", "__reversed__", "damage"],
     testing.Monitor: ["push", "finish", "verdict", "robustness", "cause", "history", "formula"],
 }
@@ -48,13 +52,13 @@ class Caller:
         sims = [troupe.Simulation(LAB), troupe.Simulation(SWARM, run_controllers=False), troupe.Simulation(STACKING)]
         recorded = troupe.Recording(recording)
         self.objects = [*sims, troupe.VectorSimulation(STACKING, 3, threads=2), recorded, recorded[3], recorded[5:9],
-                        testing.Monitor(sims[0], "forall r: always speed(r) < 0.35 m/s"), *shared]
+                        testing.Monitor(sims[0], "forall r: always speed(r) < 0.35 m/s"), troupe.World(), *shared]
         self.values = [None, -1, 0, 1, 3, 2**64, -2**70, 1.5, float("nan"), float("inf"), "scout0", "ranger", "stacker", "png",
                        b"x", [], {}, (0, 0), (1, 2, 3), object(), slice(2, 9, 3), slice(None, None, -1), True,
                        numpy.zeros((100, 3)), numpy.zeros((100, 3), "f4")[::-1], numpy.array(7), numpy.zeros((3, 1, 2)),
                        numpy.full((3, 1, 2), numpy.nan), numpy.array([True, False, True]), troupe.Command(vx=1),
                        troupe.Command(grippers=[troupe.GripperCommand(lift=50.0)]), *self.objects,
-                       sims[1].save(), sims[0].save(), sims[0].poses, str(LAB),
+                       sims[1].save(), sims[0].save(), sims[0].poses, str(LAB), "scout", "body_at_table", (1, 1, 0.5),
                        *(kind.__new__(kind) for kind in (troupe.Simulation, troupe.State, troupe.Snapshot, troupe.Recording,
                                                          troupe.VectorSimulation, testing.Monitor))]
         self.objects += self.values[-6:]
@@ -113,7 +117,15 @@ class RandomActions(unittest.TestCase):
             strategies.tuples(strategies.just("drive"), numbers, numbers),
             strategies.tuples(strategies.just("grip"), percents, percents),
             strategies.tuples(strategies.just("release")), strategies.tuples(strategies.just("read")),
-            strategies.tuples(strategies.just("turn back")))
+            strategies.tuples(strategies.just("turn back")),
+            strategies.tuples(strategies.just("place"), numbers, numbers),
+            strategies.tuples(strategies.just("spawn"), numbers, numbers), strategies.tuples(strategies.just("delete")))
+
+        def attempt(change, *arguments, **options):
+            try:
+                change(*arguments, **options)
+            except troupe.Error:
+                pass  # something stands there, or it is there already or not yet
 
         def play(sim, actions, is_copied):
             found = []
@@ -128,6 +140,12 @@ class RandomActions(unittest.TestCase):
                     sim.release()
                 elif name == "read" and is_copied:  # which must change nothing
                     sim.picture()
+                elif name == "place":
+                    attempt(sim.set_pose, sim.robots[0], (*values, 0.5))
+                elif name == "spawn":
+                    attempt(sim.spawn, "position", (*values, 0.5), controller="wander")
+                elif name == "delete":
+                    attempt(sim.delete, "position")
                 elif name == "turn back":
                     saved = sim.save()
                     if is_copied:

@@ -232,6 +232,9 @@ class Pages(unittest.TestCase):
         address = self.sim.view()
         self.assertRegex(address, r"^http://127\.0\.0\.1:\d+")
         self.assertEqual(self.sim.view(), address)
+        page = self.sim.show(height=300)
+        self.assertEqual(page.address, address)
+        self.assertIn('height="300"', page._repr_html_())
         with urllib.request.urlopen(address, timeout=30) as page:
             self.assertEqual(page.status, 200)
             content = page.read()
