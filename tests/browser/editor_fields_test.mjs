@@ -182,7 +182,7 @@ async function editsControllersOfAScenario() {
 
   // A value that the controller refuses changes nothing, and says why.
   await fill(page, 'input[data-parameter=speed]', '-1');
-  await page.locator(".toast.error:has-text(\"'speed' is -1\")").first().waitFor();
+  await page.locator(".toast.error:has-text(\"found the number -1 as 'speed'\")").first().waitFor();
   assert.equal((await documentOf(page)).modified, false);
 
   await page.evaluate(() => window.troupe.select('b'));

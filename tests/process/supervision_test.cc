@@ -293,8 +293,10 @@ TEST(AgentLoss, AKilledAgentIsStartedAgainAndRejoins) {
 // handshake, which then never completes (docs/reliability.md).
 TEST(AgentLoss, WithKeysARunGoesOnAfterASegmentationFaultOfAnAgent) {
   TemporaryFolder folder;
+  setenv("ASAN_OPTIONS", "handle_segv=0", 1);  // which would end it by exit()
   Program run = RunPen({"--security", "on", "--speed", "10", "--ticks", "100", "--summary", folder.Path("summary"),
                         "--hash-log", folder.Path("hashes"), "--on-agent-loss", "rebuild"});
+  unsetenv("ASAN_OPTIONS");
   run.WaitForLine("4 robots in 4 agent processes, ready");
   for (const pid_t agent : ChildrenWith(run, "--robot=r1")) kill(agent, SIGSEGV);
   EXPECT_EQ(run.Wait(), 0) << run.output();
