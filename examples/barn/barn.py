@@ -60,7 +60,7 @@ def world_of(places, planner):
     for x, y in places:
         world.block([(x + dx, y + dy) for dx, dy in corners], color="gray50", name="cylinder")
     controller = {"map": "go_to", "lidar": "idle"}[planner]
-    parameters = {"speed": 1.2, "turn_rate": 1.6} if planner == "map" else None
+    parameters = {"speed": 0.9, "turn_rate": 1.6} if planner == "map" else None
     scanner = troupe.lidar(10.0, FIELD, RAYS)
     scanner["pose"] = [-0.065, 0.0, 0.25, 0.0]
     return world.robot("jackal", (*START[:2], 0.0), "position", controller=controller, parameters=parameters,
