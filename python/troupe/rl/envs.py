@@ -229,14 +229,16 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
     def action_space(self, agent: str) -> Any:
         return self.action_spaces[agent]
 
-    def reset(self, seed: Optional[int] = None, options: Optional[dict] = None) -> Tuple[dict, dict]:
+    def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
+              ) -> Tuple[Dict[str, Array], Dict[str, Dict[str, Any]]]:
         if seed is not None:
             self._episodes.seed(seed)
         self._episodes.begin(numpy.array([True]))
         self.agents = list(self.possible_agents)
         return self._by_name(self._episodes.observe()[0]), {name: {} for name in self.agents}
 
-    def step(self, actions: Dict[str, Any]) -> Tuple[dict, dict, dict, dict, dict]:
+    def step(self, actions: Dict[str, Any]) -> Tuple[Dict[str, Array], Dict[str, float], Dict[str, bool], Dict[str, bool],
+                                                    Dict[str, Dict[str, Any]]]:
         motion = numpy.zeros((1, len(self.possible_agents), self._episodes.action_size))
         for i, name in enumerate(self.possible_agents):
             if name in self.agents and name in actions:
@@ -248,7 +250,7 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
         self.agents = [name for name in self.agents if not result[2][name] and not result[3][name]]
         return result
 
-    def _by_name(self, rows: Array, kind: Callable = lambda row: row) -> dict:
+    def _by_name(self, rows: Array, kind: Callable[[Any], Any] = lambda row: row) -> Dict[str, Any]:
         return {name: kind(row) for name, row in zip(self.possible_agents, rows) if name in self.agents}
 
     @property
@@ -383,7 +385,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
             self._over[which] = False
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
-              options: Optional[dict] = None) -> Tuple[Array, dict]:
+              options: Optional[Dict[str, Any]] = None) -> Tuple[Array, Dict[str, Any]]:
         which = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
             which = numpy.asarray(options["reset_mask"])
