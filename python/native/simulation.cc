@@ -283,7 +283,8 @@ Raises RunError if there is none, InputError for an address that is none.)")
             return py::module_::import("troupe.picture").attr("Page")(address, height);
           },
           "height"_a = 500,
-          "The page of `view` in the cell of a notebook, `height` pixels high: the world can be turned, and follows the steps.")
+          "The page of `view` in the cell of a notebook, `height` pixels high: the world can be turned, and follows "
+          "the steps.")
       .def(
           "close_view", [](const WorldPointer& world) { world->ClosePage(); },
           "Closes the page; it shows that the run is over.");
