@@ -93,6 +93,7 @@ async function followsIntoALift() {
 async function findsAllThings() {
   const {run, page} = await start('things', 'view=top');
   const kinds = page.locator('#thing-kinds button');
+  await until('the kinds are listed', async () => await kinds.count() > 0);
   assert.deepEqual(await kinds.allTextContents(), ['Robots 2', 'Doors 8', 'Lifts 1', 'People 3', 'Levels 2']);
   const rows = () => page.locator('#robot-list .robot').allTextContents();
   await page.click('#thing-kinds >> text=Doors');
