@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.25)
 # The public headers that belong to a folder of the sources: its rules hold for them.
 set(public_headers_of_common/base check deterministic_math enum_names fields ids random result shared)
 set(public_headers_of_common/geometry polygon pose rectangle vec2 z_range)
-set(public_headers_of_common/bitmap bitmap dense_cover pixel_area rectangle_cover)
+set(public_headers_of_common/bitmap bitmap dense_cover occupancy_grid pixel_area rectangle_cover)
 set(public_headers_of_common/model
   color door_description event interval named_expectation order person_description radio_limits radio_message robot_command
   sensor_description site_description traffic_state world_description world_state)
@@ -136,7 +136,7 @@ set(may_include_include/troupe/parameters.h common/base common/model)
 set(may_include_include/troupe/controller.h
   common/base common/geometry common/model include/troupe/parameters.h include/troupe/sensor.h)
 set(may_include_include/troupe/simulation.h
-  common/base common/geometry common/model common/picture include/troupe/controller.h include/troupe/sensor.h)
+  common/base common/bitmap common/geometry common/model common/picture include/troupe/controller.h include/troupe/sensor.h)
 
 # Expectations know a run by its ticks, wherever they come from.
 set(may_include_testing/expectations
