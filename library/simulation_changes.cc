@@ -69,21 +69,15 @@ Result<std::string> Simulation::Spawn(const std::string& source, const Pose& X_W
   if (origin.runs_controllers) overrides.check_controller = CheckController;
   Result<LoadedWorld> loaded = LoadSpawnable(origin.world, source, overrides);
   if (!loaded.ok()) return loaded.error();
-  std::vector<RobotDescription>& robots = loaded.value().world.robots;
-  if (controller && robots.empty()) {
-    return BadInput("found a controller for a model that is no robot, expected one for robots only");
+  WorldDescription& spawned = loaded.value().world;
+  if (controller) {
+    if (Status problem = SetController(*controller, overrides, spawned); !problem.ok()) return problem.error();
   }
-  if (controller && origin.runs_controllers) {
-    if (Status problem = CheckController(controller->name, controller->parameters); !problem.ok()) {
-      return problem.error();
-    }
-  }
-  for (RobotDescription& robot : robots) {
-    if (controller) robot.controller = *controller;
-    if (!origin.runs_controllers) robot.controller = {};
+  if (!origin.runs_controllers) {
+    for (RobotDescription& robot : spawned.robots) robot.controller = {};
   }
   std::string found = name.empty() ? FreeName(world(), NameOfSource(source)) : name;
-  if (Status problem = Follow(SpawnEntity(now.scene, state(), loaded.value().world, found, X_WE)); !problem.ok()) {
+  if (Status problem = Follow(SpawnEntity(now.scene, state(), spawned, found, X_WE)); !problem.ok()) {
     return problem.error();
   }
   return found;

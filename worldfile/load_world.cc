@@ -174,4 +174,16 @@ Result<LoadedWorld> LoadSpawnable(const WorldSource& world, const std::string& s
   return loaded;
 }
 
+Status SetController(const ControllerDescription& controller, const LoadOverrides& overrides,
+                     WorldDescription& spawned) {
+  if (spawned.robots.empty()) {
+    return BadInput("found a controller for a model that is no robot, expected one for robots only");
+  }
+  if (overrides.check_controller) {
+    if (Status status = overrides.check_controller(controller.name, controller.parameters); !status.ok()) return status;
+  }
+  for (RobotDescription& robot : spawned.robots) robot.controller = controller;
+  return {};
+}
+
 }  // namespace troupe

@@ -43,4 +43,9 @@ Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, con
 Result<LoadedWorld> LoadSpawnable(const WorldSource& world, const std::string& source,
                                   const LoadOverrides& overrides = {});
 
+// Gives the robots of a spawned world another controller. The error is one that `overrides` refuse, or a world without
+// robots.
+Status SetController(const ControllerDescription& controller, const LoadOverrides& overrides,
+                     WorldDescription& spawned);
+
 }  // namespace troupe

@@ -79,22 +79,6 @@ Status SetRosIdentity(const control::Spawn& request, WorldDescription& spawned) 
   return {};
 }
 
-// Gives the robot in `spawned` the controller that the request names.
-Status SetController(const ServiceOptions& options, const control::Spawn& request, WorldDescription& spawned) {
-  if (request.controller.empty()) return {};
-  if (spawned.robots.empty()) {
-    return Error{{}, "found a controller for a model that is no robot, expected one for robots only"};
-  }
-  const ControllerDescription controller = {request.controller, "{}"};
-  if (options.overrides.check_controller) {
-    if (Status status = options.overrides.check_controller(controller.name, controller.parameters); !status.ok()) {
-      return status;
-    }
-  }
-  for (RobotDescription& robot : spawned.robots) robot.controller = controller;
-  return {};
-}
-
 // The file that a request names, or its text as a file, which is then allowed.
 struct Source {
   std::string path;
@@ -134,7 +118,10 @@ Result<RequestedFile> ReadSpawned(const ServiceOptions& options, const control::
   Result<LoadedWorld> loaded = LoadSpawnable({options.world_file}, source.value().path, source.value().overrides);
   if (!loaded.ok()) return FlattenPlace(loaded.error());
   WorldDescription& spawned = loaded.value().world;
-  if (Status status = SetController(options, request, spawned); !status.ok()) return status.error();
+  if (!request.controller.empty()) {
+    const ControllerDescription controller = {request.controller, "{}"};
+    if (Status status = SetController(controller, options.overrides, spawned); !status.ok()) return status.error();
+  }
   // After SetController, so that a library named by the request is checked like one named by the file.
   if (Status status = CheckLibraries(spawned, options.libraries); !status.ok()) return status.error();
   if (Status status = SetRosIdentity(request, spawned); !status.ok()) return status.error();
