@@ -23,6 +23,11 @@ void HeldCalls::Remove(const AgentEndpoints& agent) {
   std::erase_if(arrived_, [&agent](const Call& call) { return call.agent == &agent; });
 }
 
+bool HeldCalls::IsEmpty() {
+  const std::lock_guard lock(mutex_);
+  return arrived_.empty() && waiting_.empty();
+}
+
 void HeldCalls::Pass(const Call& call) {
   call.agent->SendRequest(call.service, call.request);
 }
@@ -51,7 +56,6 @@ std::optional<HeldCalls::Time> HeldCalls::Update(std::set<std::string> missing, 
     const std::lock_guard lock(mutex_);
     arrived.swap(arrived_);
   }
-  if (arrived.empty() && waiting_.empty()) return std::nullopt;
   for (Call& call : arrived) {
     bool may_be_node = false;
     const std::set<std::string> watched = watch_.WatchedOf(call.caller, may_be_node);

@@ -42,6 +42,8 @@ class HeldCalls {
 
   void Add(Call call);
   void Remove(const AgentEndpoints& agent);
+  // No call has arrived that was not passed on.
+  bool IsEmpty();
   // Passes on what need not wait. `missing`: the topics and nodes that have not answered the tick that is shown; none:
   // no tick waits. `is_told`: the tick waits for just these; else it may wait for some of them. When it is to be called
   // again in any case.

@@ -135,12 +135,13 @@ void TickGate::Update() {
 // A node may call once it has one message of the tick: before the tick is told, while it is not known yet which
 // participants it waits for.
 void TickGate::UpdateCalls(Time now) {
+  if (calls_.IsEmpty()) return;  // nearly always: what is missing need not be found
   const bool is_told = told_ && told_->is_written;
   std::set<std::string> missing;
   if (is_told) {
     missing = watch_.FindMissing(told_->agent, told_->awaited);
   } else if (is_shown_ && !is_closed_) {
-    missing = watch_.FindMissing();
+    missing = watch_.FindMissing(nullptr, {});
   }
   if (const std::optional<Time> due = calls_.Update(std::move(missing), is_told, now)) UpdateBy(*due);
 }

@@ -245,16 +245,8 @@ std::set<std::string> TopicWatch::FindMissing(const void* owner, const std::set<
   const std::lock_guard lock(mutex_);
   std::set<std::string> missing;
   for (const auto& [watched, watch] : watches_) {
-    if (watch.owner == owner && ids.contains(watch.id) && !round_.arrived.contains(watched)) missing.insert(watched);
-  }
-  return missing;
-}
-
-std::set<std::string> TopicWatch::FindMissing() {
-  const std::lock_guard lock(mutex_);
-  std::set<std::string> missing;
-  for (const auto& [watched, watch] : watches_) {
-    if (!round_.arrived.contains(watched)) missing.insert(watched);
+    const bool is_meant = owner == nullptr || (watch.owner == owner && ids.contains(watch.id));
+    if (is_meant && !round_.arrived.contains(watched)) missing.insert(watched);
   }
   return missing;
 }

@@ -117,10 +117,9 @@ class TopicWatch {
   // The names of the services by which a program on Cyclone DDS tells the parameters of its nodes, each from its node's
   // own thread: "/driver/get_parameters".
   std::vector<std::string> ParameterServicesOf(dds_instance_handle_t program) const;
-  // The topics and nodes among these watches without a message for the armed text.
+  // The topics and nodes without a message for the armed text: among these watches of the owner, or, for null, among
+  // all.
   std::set<std::string> FindMissing(const void* owner, const std::set<std::uint32_t>& ids);
-  // Among all watches.
-  std::set<std::string> FindMissing();
   // What a program writes that is watched: topics, and the nodes that are known by their answers. `may_be_node`: it may
   // answer as a node that is not known.
   std::set<std::string> WatchedOf(dds_instance_handle_t program, bool& may_be_node);
