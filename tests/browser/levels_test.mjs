@@ -113,6 +113,7 @@ async function findsAllThings() {
   assert.deepEqual(await page.locator('#robot-list h3').allTextContents(), ['Doors', 'Lifts']);
   await page.screenshot({path: path('things.png')});
 
+  pages.expectLossOfGateway(page);
   await run.stop();
   await until('the page knows that its program has ended', async () => (await page.textContent('#factor')) === 'ended');
   for (const id of ['play', 'live', 'back', 'step', 'timeline']) assert.ok(await page.locator(`#${id}`).isDisabled(), id);

@@ -111,7 +111,7 @@ export class EndCard {
       this.host.replay();
     });
     replay.classList.add('strong');
-    const buttons = this.online ? [replay, this.button('Look back', 'Close this, and drag the timeline', () => this.set(false))]
+    const buttons: HTMLElement[] = this.online ? [replay, this.button('Look back', 'Close this, and drag the timeline', () => this.set(false))]
       : [this.button('Look at the end', 'Close this: the last state stays', () => this.set(false))];
     if (words.length > 0 || (this.online && info?.runs_again)) {
       buttons.push(
@@ -126,7 +126,7 @@ export class EndCard {
         link.click();
       }));
     }
-    if (!this.online) buttons.unshift(make('p', 'end-gone faint', 'The program has ended: nothing before this can be shown.') as HTMLButtonElement);
+    if (!this.online) buttons.unshift(make('p', 'end-gone faint', 'The program has ended: nothing before this can be shown.'));
     this.actions.replaceChildren(...buttons);
     this.command.hidden = true;
   }

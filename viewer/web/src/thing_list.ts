@@ -174,7 +174,7 @@ function kindsOf(run: Run): Array<[string, Thing[]]> {
   return [['Doors', doors], ['Lifts', lifts], ['People', people], ['Objects', objects], ['Levels', levels.length > 1 ? levels : []]];
 }
 
-export function personText(run: Run, person: number): string {
+function personText(run: Run, person: number): string {
   const row = run.people[person];
   if (!row) return '';
   const speed = Math.hypot(row.vx, row.vy);
