@@ -18,12 +18,13 @@ namespace {
 
 std::string NamesOf(const WorldDescription& world) {
   std::vector<std::string> names;
-  for (const RobotDescription& robot : world.robots) {
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (!RobotExists(world, RobotId(i))) continue;
     if (names.size() == 8) {
       names.emplace_back("...");
       break;
     }
-    names.push_back(robot.name);
+    names.push_back(world.robots[i].name);
   }
   return names.empty() ? "a world with robots" : fmt::format("one of: {}", fmt::join(names, ", "));
 }

@@ -45,6 +45,7 @@ class World:
         """base: a file to begin with, .world or .yaml. interval: s, of a tick, 0.1 by default. include: files with models."""
         self.scenario: Dict[str, Any] = {}
         self._maps: Dict[str, Tuple[numpy.ndarray[Any, Any], float, Tuple[float, float, float], float]] = {}
+        self._counts: Dict[str, int] = {}  # of names that were made from one
         if base is not None:
             self.scenario["world"] = os.fspath(base)
         if include:
@@ -167,6 +168,7 @@ class World:
         other = copy.copy(self)
         other.scenario = _deep_copy(self.scenario)
         other._maps = dict(self._maps)
+        other._counts = dict(self._counts)
         return other
 
     def save(self, file: _Path) -> None:
@@ -207,16 +209,14 @@ class World:
         return self
 
     def _free_name(self, name: str) -> str:
-        """The name, or the first of name0, name1, ... that no entry has."""
-        counts: Dict[str, int] = self.__dict__.setdefault("_counts", {})
-        used = {entry.get("name") for key in ("models", "robots") for entry in self.scenario.get(key, ())} \
-            if name not in counts else set()
-        if name not in counts and name not in used:
-            counts[name] = 0
-            return name
-        number = counts.get(name, 0)
-        counts[name] = number + 1
-        return f"{name}{number}"
+        """The name, or the first of name0, name1, ... that was not made before."""
+        if name in self._counts:
+            number = self._counts[name]
+            self._counts[name] = number + 1
+            return f"{name}{number}"
+        self._counts[name] = 0
+        used = {entry.get("name") for key in ("models", "robots") for entry in self.scenario.get(key, ())}
+        return self._free_name(name) if name in used else name
 
 
 def lidar(range: float = 8.0, fov: float = 2 * math.pi, samples: int = 180, *, z: Optional[float] = None,

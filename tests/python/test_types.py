@@ -25,7 +25,8 @@ def check(file):
 @unittest.skipUnless(os.path.exists("/usr/bin/mypy"), "no mypy")
 class Types(unittest.TestCase):
     def test_a_program_has_no_error_and_runs(self):
-        self.assertEqual(check("user_program.py")[0], 0, check("user_program.py")[1])
+        status, output = check("user_program.py")
+        self.assertEqual(status, 0, output)
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run([sys.executable, TYPES / "user_program.py"], cwd=folder, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -185,9 +185,24 @@ class Episodes:
                          self._interval * self.task.ticks_per_step, self._objects, self._held, openings, lifts)
 
 
-def _rendered(sim: Simulation, mode: Optional[str]) -> Any:
-    picture = sim.picture(rays=True)
-    return picture.array()[..., :3].copy() if mode == "rgb_array" else picture
+class _OneWorld:
+    """What environments of one world have."""
+
+    _episodes: Episodes
+    render_mode: Optional[str]
+
+    @property
+    def state_hash(self) -> int:
+        return self._episodes.worlds[0].state_hash
+
+    @property
+    def simulation(self) -> Simulation:
+        return self._episodes.worlds[0]
+
+    def render(self) -> Any:
+        """The picture of the world as PNG bytes, or with render_mode "rgb_array" as an array."""
+        picture = self.simulation.picture(rays=True)
+        return picture.array()[..., :3].copy() if self.render_mode == "rgb_array" else picture
 
 
 def _remade(kind: Any, arguments: Tuple[Any, ...], options: Dict[str, Any]) -> Any:
@@ -195,7 +210,7 @@ def _remade(kind: Any, arguments: Tuple[Any, ...], options: Dict[str, Any]) -> A
     return kind(*arguments, **options)
 
 
-class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
+class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
     """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`."""
 
     def __init__(self, task: Task, *, render_mode: Optional[str] = None) -> None:
@@ -261,18 +276,6 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
         """The poses of all robots, (robots * 4,), float32."""
         return self._episodes.worlds[0].poses.astype(numpy.float32).reshape(-1)
 
-    @property
-    def state_hash(self) -> int:
-        return self._episodes.worlds[0].state_hash
-
-    @property
-    def simulation(self) -> Simulation:
-        return self._episodes.worlds[0]
-
-    def render(self) -> Any:
-        """The picture of the world as PNG bytes, or with render_mode "rgb_array" as an array."""
-        return _rendered(self._episodes.worlds[0], self.render_mode)
-
     def __reduce__(self) -> Any:
         # Of a process that a learner starts: there it begins its own episodes.
         return _remade, (type(self), (self.task,), {"render_mode": self.render_mode})
@@ -281,7 +284,7 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
         self.agents = []
 
 
-class RobotEnv(_base("gymnasium", "Env")):  # type: ignore[misc]
+class RobotEnv(_OneWorld, _base("gymnasium", "Env")):  # type: ignore[misc]
     """A task with one robot as Gymnasium's Env.
 
     discrete: actions are numbers of DISCRETE, in place of (forward, turn) in [-1, 1]; not of robots with grippers.
@@ -314,18 +317,6 @@ class RobotEnv(_base("gymnasium", "Env")):  # type: ignore[misc]
         rewards, ended, truncated = self._episodes.step(numpy.asarray(motion, float).reshape(1, 1, -1))
         over = bool(ended[0, 0])
         return self._episodes.observe()[0, 0], float(rewards[0, 0]), over, bool(truncated[0]) and not over, {}
-
-    @property
-    def state_hash(self) -> int:
-        return self._episodes.worlds[0].state_hash
-
-    @property
-    def simulation(self) -> Simulation:
-        return self._episodes.worlds[0]
-
-    def render(self) -> Any:
-        """The picture of the world as PNG bytes, or with render_mode "rgb_array" as an array."""
-        return _rendered(self._episodes.worlds[0], self.render_mode)
 
     def close(self) -> None:
         pass
