@@ -174,7 +174,7 @@ TEST(LanesOverDds, LeaveTheLiftOfALostRobotToOthers) {
   TemporaryFolder folder;
   const std::string session = TestSession("lanelost");
   Program run = Troupe(Words(
-      "run % --headless --no-ros --paused --domain % --session % --restart-agents 0 --lease 1",
+      "run % --headless --no-ros --paused --domain % --session % --restart-agents 0 --lease 2",
       {folder.Write("s.json", R"({"world": ")" + WorldPath("../../../worlds/sites/guesthouse.building.yaml") + R"(",
                 "people": [], "without": ["delivery_1"], "robots": [
                 {"name": "tiny_1", "controller": {"name": "lanes", "parameters": {"places": ["room_1", "charger_1"]}}},
@@ -299,7 +299,7 @@ TEST(DoorsOverDds, RequestsAfterARewindGiveTheSameStates) {
   TemporaryFolder folder;
   const std::string session = TestSession("doors");
   Program run =
-      Troupe(RunOfLift({"--paused", "--session", session, "--record", folder.Path("run.mcap"), "--lease", "1"}));
+      Troupe(RunOfLift({"--paused", "--session", session, "--record", folder.Path("run.mcap"), "--lease", "5"}));
   auto client = std::make_unique<ControlClient>(NetworkOf(session));
   ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();
   run.WaitForLine("ready");
@@ -353,7 +353,7 @@ TEST(DoorsOverDds, AreOperatedByTheCommandLine) {
 TEST(DoorsOverDds, RequestsToAPlayingRunAreInputsOfItsTicks) {
   TemporaryFolder folder;
   const std::string session = TestSession("inputs");
-  Program run = Troupe(RunOf(kLanes, Words("--session % --record % --hash-log % --lease 1 --speed 20",
+  Program run = Troupe(RunOf(kLanes, Words("--session % --record % --hash-log % --lease 5 --speed 20",
                                            {session, folder.Path("run.mcap"), folder.Path("hashes")})));
   auto client = std::make_unique<ControlClient>(NetworkOf(session));
   ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();

@@ -314,7 +314,7 @@ TEST_F(RmfMap, TheMapOfTheBuildingHasTheNameMapByChoice) {
 }
 
 TEST_F(RmfMap, AnotherBuildingWithTheSameLevelsLeavesTheMapEmpty) {
-  Start({"--speed", "20", "--lease", "1"});
+  Start({"--speed", "20", "--lease", "5"});
   control::LoadWorld load;
   load.source = WorldPath("../../../worlds/sites/clinic.building.yaml");
   const ControlReply loaded = CallRun(session_, load);

@@ -79,7 +79,7 @@ class Caller {
 class RosGoals : public testing::Test {
  protected:
   Program RunPaused() {
-    Program run = Troupe(Words("run % --headless --paused --speed 10 --lease 1 --record % --session % --domain %",
+    Program run = Troupe(Words("run % --headless --paused --speed 10 --lease 5 --record % --session % --domain %",
                                {file_, folder_.Path("run.mcap"), session_, std::to_string(TestDomain())}) +
                          RosArguments({}));
     run.WaitForLine(", ready");

@@ -113,7 +113,7 @@ TEST_F(ServiceRestartTest, ARunThatContinuesARecordingHasTheSameFiles) {
     return Troupe(arguments);
   };
   OutputOf(start("whole-", " --in-process"));
-  Program run = start("run-", " --paused --lease 1 --session " + session_);
+  Program run = start("run-", " --paused --lease 5 --session " + session_);
   run.WaitForLine("4 robots in 4 agent processes, ready");
   Kill(run);  // in the state with which it begins
   Call(control::Step{.ticks = 15});
@@ -200,12 +200,12 @@ TEST_F(ServiceRestartTest, ARecordingIsWholeAfterwards) {
 TEST_F(ServiceRestartTest, AnotherServiceContinuesTheJournalOfAProcess) {
   const std::string domain = std::to_string(TestDomain());
   std::vector<std::string> service = Words(
-      "% --session % --domain % --lease 1 --journal % --speed 10 --hash-log % --poses % --ticks 80 --security off",
+      "% --session % --domain % --lease 5 --journal % --speed 10 --hash-log % --poses % --ticks 80 --security off",
       {ProgramPath("world-service"), session_, domain, Path("run.mcap"), Path("run-hashes"), Path("run-poses")});
   std::vector<std::string> begin = service;
   begin.insert(begin.begin() + 1, WorldPath("pen.world"));
   Program first(begin);
-  Program agent({ProgramPath("robot-agent"), "--session", session_, "--domain", domain, "--lease", "1", "--robot", "r0",
+  Program agent({ProgramPath("robot-agent"), "--session", session_, "--domain", domain, "--lease", "5", "--robot", "r0",
                  "--robot", "r1", "--robot", "r2", "--robot", "r3", "--security", "off"});
   first.WaitForLine("all robots have agents");
   service.emplace_back("--resume");
