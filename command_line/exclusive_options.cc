@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <vector>
 
+#include "command_line/parse_command_line.h"
+
 namespace troupe {
 namespace {
 
@@ -44,10 +46,10 @@ const std::vector<Exclusion>& Exclusions() {
 void ExcludeOptions(CLI::App& command, std::string_view name) {
   for (const Exclusion& row : Exclusions()) {
     if (row.command != name) continue;
-    CLI::Option* const option = command.get_option(row.option);
+    CLI::Option* const option = &FindOption(command, row.option);
     for (const std::string_view other : row.others) {
       if (!other.ends_with('*')) {
-        option->excludes(command.get_option(std::string(other)));
+        option->excludes(&FindOption(command, std::string(other)));
         continue;
       }
       for (CLI::Option* const each : command.get_options()) {

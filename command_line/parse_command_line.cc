@@ -21,6 +21,7 @@
 #include "common/run/run_settings.h"
 #include "common/trace/tick_trace.h"
 #include "transport/protocol/faulty_transport.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {
@@ -158,6 +159,13 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
 }
 
 // Exceptions that arrive here are failures of the system (memory, threads, DDS).
+CLI::Option& FindOption(CLI::App& command, const std::string& name) {
+  const std::vector<CLI::Option*> found =
+      command.get_options([&](const CLI::Option* option) { return option->check_name(name); });
+  TROUPE_CHECK(!found.empty());
+  return *found.front();
+}
+
 int RunProgram(int (*run)(int argc, const char* const* argv), int argc, const char* const* argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
   try {

@@ -16,6 +16,7 @@
 
 namespace CLI {
 class App;
+class Option;
 class Validator;
 }  // namespace CLI
 
@@ -31,6 +32,10 @@ inline constexpr const char* kArgumentsOption = "--arguments-fd=";
 // Parses into the variables with which the options were declared. Nothing: the program continues. An exit status: the
 // program ends with it; its help, its version, or an error of one line has been printed.
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv);
+
+// The option of this name. REQUIRES: the command has it. The search of CLI11 itself cannot fail for want of memory, and
+// would end the program.
+CLI::Option& FindOption(CLI::App& command, const std::string& name);
 
 // The exit status of a program: that of `run`, or that of a failure, which is printed as one line, if it throws.
 int RunProgram(int (*run)(int argc, const char* const* argv), int argc, const char* const* argv);

@@ -316,7 +316,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->check(NotEmpty())
       ->type_name("NAME")
       ->group(run);
-  command->get_option("--depth")->needs(command->get_option("--camera"));
+  FindOption(*command, "--depth").needs(&FindOption(*command, "--camera"));
   command->final_callback([options, &exit_status] { exit_status = SnapshotCommand(*options); });
 }
 

@@ -179,7 +179,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(WholeNumber(0))
       ->type_name("SEED")
       ->group("Testing");
-  command.get_option("--trace-ticks")->needs(command.get_option("--trace"));
+  FindOption(command, "--trace-ticks").needs(&FindOption(command, "--trace"));
 }
 
 // In this order: hosts, then the interface, whose default depends on them.
