@@ -127,7 +127,7 @@ TrafficGraph::TrafficGraph(std::span<const LaneGraph> graphs, std::span<const do
 
 void TrafficGraph::AddWay(std::uint32_t start, std::uint32_t end, double seconds, bool is_bidirectional) {
   const auto lane = static_cast<std::uint32_t>(lanes_.size());
-  lanes_.push_back({.start = start, .end = end});
+  lanes_.push_back({.start = start, .end = end, .seconds = seconds});
   if (start == end) return;
   exits_[start].push_back({end, lane, seconds});
   entries_[end].push_back({start, lane, seconds});
@@ -169,7 +169,13 @@ void TrafficGraph::FindGroups(std::span<const LaneGraph> graphs) {
       if (!mutex.empty()) lanes_[first_lane_[i] + l].groups.push_back(group(mutexes, mutex));
     }
   }
-  for (Vertex& vertex : vertices_) MakeSet(vertex.groups);
+  vertices_of_groups_.resize(group_count_);
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    MakeSet(vertices_[i].groups);
+    for (const std::uint32_t its_group : vertices_[i].groups) {
+      vertices_of_groups_[its_group].push_back(static_cast<std::uint32_t>(i));
+    }
+  }
   const auto add = [this](std::vector<std::uint32_t>& groups, std::uint32_t end) {
     groups.insert(groups.end(), vertices_[end].groups.begin(), vertices_[end].groups.end());
     MakeSet(groups);

@@ -54,6 +54,8 @@ class TrafficGraph {
   // The ends of a lane.
   std::uint32_t start(std::uint32_t lane) const { return lanes_[lane].start; }
   std::uint32_t end(std::uint32_t lane) const { return lanes_[lane].end; }
+  // s, as that of exits.
+  double seconds(std::uint32_t lane) const { return lanes_[lane].seconds; }
   // Those that it conflicts with by their distance; ascending, itself included.
   std::span<const std::uint32_t> VerticesNearVertex(std::uint32_t vertex) const { return vertices_.at(vertex).near; }
   std::span<const std::uint32_t> VerticesNearLane(std::uint32_t lane) const { return lanes_[lane].near_vertices; }
@@ -71,6 +73,7 @@ class TrafficGraph {
   std::size_t groups() const { return group_count_; }
   std::span<const std::uint32_t> GroupsOfVertex(std::uint32_t vertex) const { return vertices_[vertex].groups; }
   std::span<const std::uint32_t> GroupsOfLane(std::uint32_t lane) const { return lanes_[lane].groups; }
+  std::span<const std::uint32_t> VerticesOfGroup(std::uint32_t group) const { return vertices_of_groups_[group]; }
   // A vertex at which a body may wait without a group or a lift that others need.
   bool IsOpen(std::uint32_t vertex) const { return vertices_[vertex].groups.empty(); }
 
@@ -90,6 +93,7 @@ class TrafficGraph {
   struct Way {
     std::uint32_t start = 0;
     std::uint32_t end = 0;
+    double seconds = 0.0;
     double leave_distance = std::numeric_limits<double>::infinity();
     Rest to_end = {};
     Rest to_start = {};
@@ -113,6 +117,7 @@ class TrafficGraph {
   std::vector<std::uint32_t> first_vertex_;        // by graph, and the end
   std::vector<std::uint32_t> first_lane_;          // likewise
   std::size_t group_count_ = 0;
+  std::vector<std::vector<std::uint32_t>> vertices_of_groups_;
 };
 
 }  // namespace troupe

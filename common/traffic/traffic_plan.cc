@@ -4,16 +4,12 @@
 #include <utility>
 
 #include "common/traffic/formation.h"
-#include "common/traffic/priority_moves.h"
-#include "common/traffic/traffic_search.h"
+#include "common/traffic/traffic_ways.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::uint32_t kNone = Formation::kNone;
-constexpr double kPushSeconds = 10.0;     // of the route past a robot that has to make room
-constexpr std::ptrdiff_t kMaxPushed = 4;  // moves of a robot with another goal that are made all the same
-constexpr std::size_t kMaxPending = 64;   // moves of a robot that others push
 
 // The order of rows and requests, which ascend by robot.
 constexpr auto kIsBefore = [](const auto& a, RobotId robot) { return a.robot < robot; };
@@ -95,13 +91,11 @@ class Planner {
     for (const TrafficRequest& request : requests) {
       if (!RowOf(request.robot)) Admit(request);
     }
-    for (const TrafficMove& move : plan_.moves) drops_ = drops_ || (!move.granted && obstructed_[move.lane]);
-    std::erase_if(plan_.moves, [&](const TrafficMove& move) { return !move.granted && (drops_ || !move.kept); });
     for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = closure.until > tick_;
     routes_.Begin(closed_);
     for (std::size_t lane = 0; lane < closed_.size(); ++lane) closed_[lane] = closed_[lane] || obstructed_[lane];
     CountArrivals();
-    ExtendPlan();
+    PlanWays();
     Grant();
   }
 
@@ -123,10 +117,9 @@ class Planner {
       const auto found = std::lower_bound(requests.begin(), requests.end(), robot.robot, kIsBefore);
       const bool is_absent = found == requests.end() || found->robot != robot.robot;
       robot.absent = is_absent ? robot.absent + 1 : 0;
-      robot.holds = robot.holds || is_absent;
+      if (is_absent) ++robot.held;
     }
     if (std::erase_if(plan_.robots, [](const TrafficRobot& robot) { return robot.absent > kMaxAbsent; }) == 0) return;
-    drops_ = true;
     std::erase_if(plan_.moves, [this](const TrafficMove& move) { return !RowOf(move.robot); });
   }
 
@@ -142,7 +135,7 @@ class Planner {
       plan_.moves.erase(front);
     }
     robot.finished = request.finished;
-    robot.holds = request.holds;
+    robot.held = request.holds ? robot.held + 1 : 0;
     const auto present = FindPresent(robot.robot);
     // Where something was in the way before, it may have to turn back.
     if (present != plan_.moves.end() && present->granted && present->to != robot.at && !IsKnown(present->lane)) {
@@ -152,9 +145,6 @@ class Planner {
       robot.goal = request.goal;
       robot.since = tick_;
       robot.has_arrived = false;
-      // Some moves to make room are soon done; a whole way is not.
-      const auto is_own = [&](const TrafficMove& move) { return move.robot == robot.robot; };
-      if (std::count_if(present, plan_.moves.end(), is_own) > kMaxPushed) drops_ = true;
     }
   }
 
@@ -180,7 +170,6 @@ class Planner {
       stuck_.push_back({robot.robot, robot.at, front->lane});
       return;
     }
-    drops_ = true;
     front->to = robot.at;
     robot.has_left = false;
   }
@@ -189,7 +178,6 @@ class Planner {
     const auto place = FindClosure(lane);
     const bool is_known = IsKnown(lane);
     if (is_known && place->until > tick_) return;
-    drops_ = true;
     const std::uint32_t ticks = is_known ? std::min(2 * place->ticks, kMaxClosedTicks) : kClosedTicks;
     const LaneClosure closure{lane, tick_ + ticks, ticks};
     if (is_known) {
@@ -241,119 +229,51 @@ class Planner {
     const auto is_there = [&](const TrafficRobot& robot) { return robot.at == request.at; };
     if (std::any_of(plan_.robots.begin(), plan_.robots.end(), is_there)) return;
     const auto groups = graph_.GroupsOfVertex(request.at);
-    bool drops = false;
     for (const TrafficMove& move : plan_.moves) {
       const auto near = graph_.VerticesNearLane(move.lane);
       const bool meets =
           std::binary_search(near.begin(), near.end(), request.at) || Meet(groups, graph_.GroupsOfLane(move.lane));
       if (meets && move.granted) return;
-      drops = drops || meets;
     }
-    drops_ = drops_ || drops;
     const auto place = std::lower_bound(plan_.robots.begin(), plan_.robots.end(), request.robot, kIsBefore);
     plan_.robots.insert(place, {.robot = request.robot,
                                 .at = request.at,
                                 .goal = request.goal,
                                 .since = tick_,
-                                .holds = request.holds,
+                                .held = request.holds ? 1U : 0U,
                                 .finished = request.finished});
   }
 
-  // Where the robots will be after all moves of the plan.
-  Formation AtEnd() {
-    std::vector<std::uint32_t> places;
-    for (const TrafficRobot& robot : plan_.robots) places.push_back(robot.at);
-    pending_.assign(places.size(), 0);
+  // It stays longer than robots usually do at their goals, or cannot move.
+  bool IsFixed(const TrafficRobot& robot) const {
+    return robot.held > kMaxHeld || robot.absent > 0 ||
+           std::any_of(stuck_.begin(), stuck_.end(), [&](const Stuck& stuck) { return stuck.robot == robot.robot; });
+  }
+
+  void PlanWays() {
+    std::vector<bool> is_fixed;
+    std::vector<std::uint32_t> at;
+    for (const TrafficRobot& robot : plan_.robots) {
+      is_fixed.push_back(IsFixed(robot));
+      at.push_back(robot.at);
+    }
+    // Moves that have been granted depend on none that have not.
+    std::vector<RowMove> granted;
+    std::vector<RowMove> moves;
     for (const TrafficMove& move : plan_.moves) {
       const std::uint32_t row = *RowOf(move.robot);
-      places[row] = move.to;
-      ++pending_[row];
+      (move.granted ? granted : moves).push_back({row, move.lane, at[row], move.to});
+      at[row] = move.to;
     }
-    return {graph_, std::move(places)};
-  }
-
-  void ExtendPlan() {
-    Formation formation = AtEnd();
-    std::vector<std::uint32_t> order;
-    for (std::uint32_t row = 0; row < plan_.robots.size(); ++row) {
-      const TrafficRobot& robot = plan_.robots[row];
-      if (robot.goal && !robot.holds && formation.place(row) != *robot.goal) order.push_back(row);
+    TrafficWays ways(routes_, closed_, plan_.robots, is_fixed, granted, std::move(moves));
+    ways.KeepPossible();
+    for (const Stuck& stuck : stuck_) ways.MakeRoom(stuck.at, stuck.lane);
+    ways.Plan(tick_);
+    std::erase_if(plan_.moves, [](const TrafficMove& move) { return !move.granted; });
+    for (const RowMove& move : ways.moves()) {
+      plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false});
     }
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return plan_.robots[a].since < plan_.robots[b].since; });
-    // Those that have no way to go come after all others.
-    std::vector<PriorityMoves::Robot> robots(plan_.robots.size(), {.rank = order.size()});
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      robots[order[i]].rank = i;
-      robots[order[i]].seconds_to_goal = &routes_.To(*plan_.robots[order[i]].goal);
-    }
-    for (std::uint32_t row = 0; row < robots.size(); ++row) {
-      robots[row].can_move = pending_[row] == 0 && !IsFixed(formation, row);
-    }
-    PriorityMoves moves(graph_, closed_, formation, robots);
-    waits_for_.resize(plan_.robots.size());
-    for (const Stuck& stuck : stuck_) {
-      for (const std::uint32_t vertex : graph_.VerticesNearVertex(stuck.at)) {
-        const std::uint32_t occupant = formation.occupant(vertex);
-        if (occupant != kNone && robots[occupant].can_move) moves.MakeRoom(occupant, stuck.lane);
-      }
-    }
-    Add(formation, 0, false, robots);
-    // Searches take turns, so that each robot has one once in a while.
-    const std::size_t first_search = order.empty() ? 0 : tick_ * kMaxSearches % order.size();
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const std::uint32_t row = order[i];
-      if (pending_[row] > (plan_.robots[row].has_left ? 1U : 0U)) continue;
-      const std::size_t begun = formation.moves().size();
-      bool is_whole = false;  // a sequence of moves that makes no sense in part
-      if (!moves.Advance(row, *plan_.robots[row].goal, kMovesAhead)) {
-        waits_for_[row] = moves.blocker();
-        const bool has_turn = (i + order.size() - first_search) % order.size() < kMaxSearches;
-        is_whole = (i == 0 || has_turn) && FindWay(formation, row, i == 0, robots);
-      }
-      if (is_whole) {
-        for (TrafficMove& move : plan_.moves) move.kept = true;
-      }
-      Add(formation, begun, is_whole, robots);
-    }
-  }
-
-  // The moves of a formation from `begun` on.
-  void Add(const Formation& formation, std::size_t begun, bool kept, std::vector<PriorityMoves::Robot>& robots) {
-    for (std::size_t i = begun; i < formation.moves().size(); ++i) {
-      const RowMove& move = formation.moves()[i];
-      plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false, kept});
-      ++pending_[move.row];
-      robots[move.row].can_move = false;
-    }
-  }
-
-  // Around robots that stay, and past those with younger goals; for the oldest goal past all others. True: the moves
-  // are one sequence.
-  bool FindWay(Formation& formation, std::uint32_t row, bool is_first,
-               const std::vector<PriorityMoves::Robot>& robots) {
-    std::vector<bool> is_fixed(robots.size());
-    for (std::uint32_t other = 0; other < is_fixed.size(); ++other) {
-      is_fixed[other] = IsFixed(formation, other) || robots[other].rank < robots[row].rank;
-    }
-    const TrafficSearch search(graph_, closed_, routes_, is_fixed);
-    TrafficRobot& robot = plan_.robots[row];
-    if (search.Find(formation, row, *robot.goal, kMovesAhead, is_first ? 0.0 : kPushSeconds)) return false;
-    const std::uint32_t waited = robot.waiting + robot.robot.index() % kAnyWayTicks;
-    if (waited < kAnyWayTicks || waited % kAnyWayTicks != 0) return false;
-    if (!is_first && any_way_searches_++ >= kMaxAnyWaySearches) return false;
-    const std::size_t max_visits = is_first ? 10 * kMaxAnyWayVisits : kMaxAnyWayVisits;
-    if (search.FindAnyWay(formation, row, *robot.goal, max_visits)) return true;
-    // Without a way to its goal it would stand in the ways of all others.
-    if (is_first) robot.since = tick_;
-    return false;
-  }
-
-  // It holds, will be at its goal and has to arrive there first, has many moves to make, or cannot move.
-  bool IsFixed(const Formation& formation, std::uint32_t row) const {
-    const TrafficRobot& robot = plan_.robots[row];
-    return robot.holds || robot.goal == formation.place(row) || pending_[row] >= kMaxPending ||
-           std::any_of(stuck_.begin(), stuck_.end(), [&](const Stuck& stuck) { return stuck.robot == robot.robot; });
+    for (std::uint32_t row = 0; row < plan_.robots.size(); ++row) waits_for_.push_back(ways.FindBlocker(row));
   }
 
   void Grant() {
@@ -364,16 +284,16 @@ class Planner {
       const std::uint32_t row = *RowOf(move.robot);
       // The present move of a robot is its first one in the plan.
       const bool is_present = granted[row] == 0 && !waits[row];
-      if (!move.granted && !waits[row] && granted[row] < kMaxGrants && !obstructed_[move.lane]) {
+      if (!move.granted && !waits[row] && granted[row] < kMaxGrants && !IsAtGoal(plan_.robots[row]) &&
+          !obstructed_[move.lane]) {
         const std::optional<std::uint32_t> other = claims.FindOther(row, move.lane);
         move.granted = !other;
         if (is_present && other) waits_for_[row] = other;
       }
-      if (move.granted) {
-        ++granted[row];
-      } else {
-        waits[row] = true;
-      }
+      if (move.granted) ++granted[row];
+      // It rests at its goal before it makes room for others.
+      const bool arrives = !plan_.robots[row].has_arrived && plan_.robots[row].goal == move.to;
+      waits[row] = waits[row] || !move.granted || arrives;
       if (is_present && plan_.robots[row].has_left) {
         claims.AddRest(row, move.lane, move.to);
       } else {
@@ -384,7 +304,7 @@ class Planner {
   }
 
   void CountWait(TrafficRobot& robot, std::uint32_t row, bool is_on_way) const {
-    const bool waits = robot.goal && !robot.holds && !is_on_way && robot.at != *robot.goal;
+    const bool waits = robot.goal && robot.held == 0 && !is_on_way && robot.at != *robot.goal;
     robot.waiting = waits ? robot.waiting + 1 : 0;
     robot.waits_for.reset();
     if (waits && waits_for_[row]) robot.waits_for = plan_.robots[*waits_for_[row]].robot;
@@ -396,16 +316,13 @@ class Planner {
   Tick tick_;
   TrafficPlan& plan_;
   std::vector<bool> closed_;
-  std::vector<std::size_t> pending_;                          // moves, by row
   std::vector<std::optional<std::uint32_t>> waits_for_ = {};  // by row
   struct Stuck {
     RobotId robot;
     std::uint32_t at = 0;
     std::uint32_t lane = 0;
   };
-  std::vector<Stuck> stuck_;          // robots that cannot turn back yet
-  std::size_t any_way_searches_ = 0;  // of this tick
-  bool drops_ = false;                // the moves that are not granted
+  std::vector<Stuck> stuck_;  // robots that cannot turn back yet
 };
 
 }  // namespace

@@ -8,16 +8,13 @@
 // there is no deadlock. Moves that have not been granted can be dropped at any time: the robots at rest, and those on
 // granted moves at their ends, are again free of conflicts, and a new plan begins there.
 //
-// Each tick plans the next lane of each robot that has none left (priority_moves.h), in the order of the ages of the
-// goals: it comes nearer to its goal, and robots with younger goals, or without one, make room. Where lanes do not let
-// them, a robot that has waited for a while has a search over their places (traffic_search.h), by which it comes nearer
-// to its goal all the same. The one with the oldest goal may move all others so; each robot becomes that one, and
-// arrives, if the graph has room for it. If it has not, the goal counts as new, so that others go on, and perhaps make
-// room.
+// Each robot with a goal gets a whole way to it, among those of the others or past robots that make room
+// (traffic_ways.h). The moves that have not been granted change while robots drive; those that have, do not. The robot
+// with the oldest goal may move all others so; each robot becomes that one, and arrives, if the graph has room for it.
+// If it has not, the goal counts as new, so that others go on, and perhaps make room.
 //
 // A pure function of its arguments: the plan is a part of the state of the world, and depends on no clock, no packing
-// and no earlier call. Memory: some moves for each robot, and one whole way. Cost of a tick: linear in the robots, and
-// kMaxSearches searches.
+// and no earlier call. Memory: the moves of a way for each robot. Cost of a tick: that of the ways.
 #pragma once
 
 #include <cstdint>
@@ -50,16 +47,11 @@ struct TrafficPlan {
   bool operator==(const TrafficPlan&) const = default;
 };
 
-inline constexpr std::size_t kMovesAhead = 1;       // of its own, that a robot plans at a time
 inline constexpr std::size_t kMaxGrants = 4;        // moves of a robot that it may make without another decision
-inline constexpr std::size_t kMaxSearches = 32;     // of a tick, for ways around robots that stay
 inline constexpr std::uint32_t kClosedTicks = 600;  // a lane that a body blocks, for the first time
 inline constexpr std::uint32_t kMaxClosedTicks = 36'000;
+inline constexpr std::uint32_t kMaxHeld = 60;  // ticks at a goal, after which others go round
 inline constexpr Tick kMaxAbsent = 100;
-inline constexpr std::uint32_t kAnyWayTicks = 10;     // of a wait, until a search for a way around others
-inline constexpr std::size_t kMaxAnyWaySearches = 2;  // of a tick, beside that of the oldest goal
-inline constexpr std::size_t kMaxAnyWayVisits =
-    200'000;  // of vertices, in one of these; ten times as many for the oldest goal
 
 // The plan of the next tick. `routes`: of the graph. `requests`: ascending, at most one for each robot. `obstructed`:
 // lanes that bodies outside of the traffic are on, by lane; no move begins there. A robot takes part once its vertex is

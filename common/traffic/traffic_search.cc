@@ -105,6 +105,12 @@ bool TrafficSearch::Clear(Formation& formation, std::uint32_t row, std::uint32_t
   return false;
 }
 
+bool TrafficSearch::MakeRoom(Formation& formation, std::uint32_t row, std::uint32_t lane) const {
+  Marks near(graph_.vertices(), false);
+  for (const std::uint32_t vertex : graph_.VerticesNearLane(lane)) near[vertex] = true;
+  return Push(formation, row, Formation::kNone, near);
+}
+
 // Whether a robot may be pushed along a lane, beside the robot that is pinned and those that stay; all others can be
 // pushed, too.
 bool TrafficSearch::MayPass(const Formation& formation, std::uint32_t pinned, std::uint32_t moving,

@@ -39,6 +39,10 @@ class TrafficSearch {
   // FindAnyWay: up to a vertex at which it may wait, and which is nearer to the goal. It ends after `max_visits` of
   // vertices, without a result.
   bool FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal, std::size_t max_visits) const;
+  // Of vertices, by the last FindAnyWay.
+  std::size_t visits() const { return visits_; }
+  // Moves a robot off a lane.
+  bool MakeRoom(Formation& formation, std::uint32_t row, std::uint32_t lane) const;
 
  private:
   // Vertices at which a robot that is pushed may not end.

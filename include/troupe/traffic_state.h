@@ -19,7 +19,7 @@ struct TrafficRobot {
   std::uint32_t at = 0;
   std::optional<std::uint32_t> goal = {};
   Tick since = 0;
-  bool holds = false;
+  std::uint32_t held = 0;
   std::uint32_t finished = 0;
   bool has_left = false;
   std::uint32_t absent = 0;
@@ -34,7 +34,7 @@ struct TrafficRobot {
         Field{"at", &TrafficRobot::at, "the vertex that it was at last"},
         Field{"goal", &TrafficRobot::goal, "vertex; none: it makes room for others"},
         Field{"since", &TrafficRobot::since, "of the goal"}.In("tick"),
-        Field{"holds", &TrafficRobot::holds, "it stays where it is"},
+        Field{"held", &TrafficRobot::held, "that it has stayed where it is so far; 0: it moves"}.In("tick"),
         Field{"finished", &TrafficRobot::finished, "moves since it takes part, modulo 2^32"},
         Field{"left", &TrafficRobot::has_left, "it is clear of the start of its present move"},
         Field{"absent", &TrafficRobot::absent, "since its last order"}.In("tick"),
@@ -52,7 +52,6 @@ struct TrafficMove {
   std::uint32_t lane = 0;
   std::uint32_t to = 0;
   bool granted = false;
-  bool kept = false;
   bool operator==(const TrafficMove&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -60,7 +59,6 @@ struct TrafficMove {
         Field{"lane", &TrafficMove::lane},
         Field{"to", &TrafficMove::to, "an end of the lane; the start of the move, if the robot turns back"},
         Field{"granted", &TrafficMove::granted, "it may begin"},
-        Field{"kept", &TrafficMove::kept, "others of the plan rely on it; the rest is planned in each tick"},
     };
   }
 };

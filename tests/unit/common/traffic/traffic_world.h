@@ -128,7 +128,7 @@ class TrafficRun {
       Robot& robot = robots[i];
       if (robot.is_lost) continue;
       Advance(RobotId(i), robot);
-      if (!robot.moves && robot.goal == robot.at && !HasMoves(RobotId(i))) {
+      if (!robot.moves && robot.goal == robot.at) {
         if (robot.holds == 0) {
           ++robot.arrivals;
           robot.holds = 1 + draws.Below(20);
@@ -151,13 +151,6 @@ class TrafficRun {
     PlanTraffic(routes, requests, obstructed, tick, plan);
     ++tick;
     Check();
-  }
-
-  bool HasMoves(RobotId robot) const {
-    for (const TrafficMove& move : plan.moves) {
-      if (move.robot == robot) return true;
-    }
-    return false;
   }
 
   std::vector<LaneGraph> graphs;
