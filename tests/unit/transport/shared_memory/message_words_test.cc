@@ -44,7 +44,7 @@ FrameMessage SomeFrame() {
   frame.state.traffic_robots = {
       {.robot = RobotId(0), .at = 4, .goal = 7, .since = 5, .waits_for = RobotId(1), .arrivals = 2},
       {.robot = RobotId(1), .has_left = true}};
-  frame.state.traffic_moves = {{RobotId(0), 3, 5, true, true}};
+  frame.state.traffic_moves = {{RobotId(0), 3, 5, true}};
   frame.state.lane_closures = {{2, 600, 300}};
   frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
                   {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};

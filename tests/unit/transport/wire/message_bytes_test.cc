@@ -209,7 +209,7 @@ FrameMessage FrameWithEveryField() {
   frame.state.lifts = {{1.5, 2, RobotId(1), true}, {}};
   frame.state.people = {{{1.0, 2.0, 3.0, 0.25}, 0.5, -0.5, 1, 2, 3, 4, 5}, {}};
   frame.state.traffic_robots = {{.robot = RobotId(1), .at = 2, .goal = 3, .since = 4, .waits_for = RobotId(0)}};
-  frame.state.traffic_moves = {{RobotId(1), 5, 6, true, false}};
+  frame.state.traffic_moves = {{RobotId(1), 5, 6, true}};
   frame.state.lane_closures = {{7, 8, 9}};
   frame.events = {{2, EventType::kGripped, RobotId(1), ModelId(5), "text", ModelId(6)}};
   frame.commands = {{.robot = RobotId(1), .twist = Twist{0.5, 1.0, 1.5}, .grippers = {{0, 50.0, std::nullopt}}}};
