@@ -3,7 +3,8 @@
 //
 //   traffic_flow WORLD ROBOTS [SECONDS] [SEED] [GRAPH]     WORLD: a file, or `grid:20` for 20 x 20 vertices 2 m apart
 //
-// Prints the robots that found a place, arrivals an hour, the longest time without one of a robot, and the time of a tick.
+// Prints the robots that found a place, arrivals an hour, the longest time without one of a robot, and the time of a
+// tick.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,12 +22,12 @@
 namespace troupe {
 namespace {
 
-constexpr double kRadius = 0.35;          // m
-constexpr double kSpeed = 0.7;            // m/s
-constexpr double kInterval = 0.1;         // s, of a tick
-constexpr double kTurnTicks = 10.0;       // of the start of a lane, from rest
-constexpr std::size_t kHeldTicks = 30;    // at a goal
-constexpr std::size_t kRideTicks = 210;   // of a lift
+constexpr double kRadius = 0.35;         // m
+constexpr double kSpeed = 0.7;           // m/s
+constexpr double kInterval = 0.1;        // s, of a tick
+constexpr double kTurnTicks = 10.0;      // of the start of a lane, from rest
+constexpr std::size_t kHeldTicks = 30;   // at a goal
+constexpr std::size_t kRideTicks = 210;  // of a lift
 
 struct Robot {
   std::uint32_t at = 0;

@@ -38,7 +38,8 @@ class PlanInsertion {
   };
 
   // `places`: of all robots before the first move. `moves`: of all robots but `row`; those of `row` do not count.
-  // `ready`: s, when the robot may begin. `busy`: by lane, when granted moves near it have been made, s. All outlive it.
+  // `ready`: s, when the robot may begin. `busy`: by lane, when granted moves near it have been made, s. All outlive
+  // it.
   PlanInsertion(const TrafficGraph& graph, const std::vector<bool>& closed, std::span<const std::uint32_t> places,
                 std::span<const TimedMove> moves, std::uint32_t row, double ready, std::span<const double> busy);
 
@@ -55,9 +56,9 @@ class PlanInsertion {
   // When others are near a lane, by their positions.
   struct Conflicts {
     bool is_known = false;
-    std::vector<std::size_t> positions;   // of moves, ascending
-    std::vector<double> latest_finish;    // s, of the moves up to each of these
-    std::vector<double> earliest_start;   // s, of the moves from each of these on
+    std::vector<std::size_t> positions;  // of moves, ascending
+    std::vector<double> latest_finish;   // s, of the moves up to each of these
+    std::vector<double> earliest_start;  // s, of the moves from each of these on
   };
   struct Stay {
     Range range;
@@ -78,13 +79,13 @@ class PlanInsertion {
   std::uint32_t row_;
   double ready_;
   std::span<const double> busy_;
-  std::vector<std::vector<Stay>> stays_;                         // by vertex, of others
-  std::vector<std::vector<Stay>> members_;                       // by group
-  std::vector<std::vector<std::size_t>> hits_;                   // by vertex: moves that need it, ascending
-  std::vector<std::optional<std::vector<Range>>> blocked_;       // by lane and direction
-  std::vector<Conflicts> conflicts_;                             // by lane
-  std::vector<std::vector<std::size_t>> moves_on_;               // by lane
-  std::vector<std::vector<std::size_t>> moves_in_;               // by group
+  std::vector<std::vector<Stay>> stays_;                    // by vertex, of others
+  std::vector<std::vector<Stay>> members_;                  // by group
+  std::vector<std::vector<std::size_t>> hits_;              // by vertex: moves that need it, ascending
+  std::vector<std::optional<std::vector<Range>>> blocked_;  // by lane and direction
+  std::vector<Conflicts> conflicts_;                        // by lane
+  std::vector<std::vector<std::size_t>> moves_on_;          // by lane
+  std::vector<std::vector<std::size_t>> moves_in_;          // by group
 };
 
 }  // namespace troupe
