@@ -10,10 +10,6 @@ Formation::Formation(const TrafficGraph& graph, std::vector<std::uint32_t> place
   for (std::uint32_t row = 0; row < places_.size(); ++row) Place(row, places_[row]);
 }
 
-bool Formation::Contains(std::span<const std::uint32_t> sorted, std::uint32_t number) {
-  return std::binary_search(sorted.begin(), sorted.end(), number);
-}
-
 void Formation::Place(std::uint32_t row, std::uint32_t vertex) {
   places_[row] = vertex;
   occupants_[vertex] = row;

@@ -7,14 +7,6 @@
 #include <tuple>
 
 namespace troupe {
-namespace {
-
-bool Contains(std::span<const std::uint32_t> sorted, std::uint32_t number) {
-  return std::binary_search(sorted.begin(), sorted.end(), number);
-}
-
-}  // namespace
-
 PlanInsertion::PlanInsertion(const TrafficGraph& graph, const std::vector<bool>& closed,
                              std::span<const std::uint32_t> places, std::span<const TimedMove> moves, std::uint32_t row,
                              double ready, std::span<const double> busy)
@@ -28,7 +20,7 @@ PlanInsertion::PlanInsertion(const TrafficGraph& graph, const std::vector<bool>&
       stays_(graph.vertices()),
       members_(graph.groups()),
       hits_(graph.vertices()),
-      blocked_(2 * graph.lanes()),
+      free_(2 * graph.lanes()),
       conflicts_(graph.lanes()),
       moves_on_(graph.lanes()),
       moves_in_(graph.groups()) {
@@ -40,7 +32,7 @@ void PlanInsertion::FindStays() {
   std::vector<std::uint32_t> at(places_.begin(), places_.end());
   std::vector<std::size_t> since(at.size(), 0);
   const auto add = [&](std::uint32_t row, std::size_t end) {
-    const Stay stay{{since[row], end}, row};
+    const Range stay{since[row], end};
     stays_[at[row]].push_back(stay);
     for (const std::uint32_t group : graph_.GroupsOfVertex(at[row])) members_[group].push_back(stay);
   };
@@ -61,20 +53,12 @@ void PlanInsertion::FindStays() {
 void PlanInsertion::FindHits() {
   for (std::size_t i = 0; i < moves_.size(); ++i) {
     const RowMove& move = moves_[i].move;
-    const auto near_start = graph_.VerticesNearVertex(move.from);
-    const auto near_end = graph_.VerticesNearVertex(move.to);
     const auto add = [&](std::uint32_t vertex) {
       if (hits_[vertex].empty() || hits_[vertex].back() != i) hits_[vertex].push_back(i);
     };
-    for (const std::uint32_t vertex : graph_.VerticesNearLane(move.lane)) {
-      if (!Contains(near_start, vertex) || Contains(near_end, vertex)) add(vertex);
-    }
-    for (const std::uint32_t group : graph_.GroupsOfLane(move.lane)) {
-      if (Contains(graph_.GroupsOfVertex(move.from), group) && !Contains(graph_.GroupsOfVertex(move.to), group)) {
-        continue;
-      }
+    ForEachNeed(graph_, move.from, move.lane, move.to, add, [&](std::uint32_t group) {
       for (const std::uint32_t vertex : graph_.VerticesOfGroup(group)) add(vertex);
-    }
+    });
   }
 }
 
@@ -84,31 +68,24 @@ PlanInsertion::Range PlanInsertion::RestAt(std::uint32_t vertex, std::size_t pos
   return {next == hits.begin() ? 0 : *(next - 1) + 1, next == hits.end() ? moves_.size() : *next};
 }
 
-// Positions at which a robot at rest keeps it from a move; ascending, apart.
-const std::vector<PlanInsertion::Range>& PlanInsertion::BlockedRanges(std::uint32_t from, const TrafficExit& exit) {
-  std::optional<std::vector<Range>>& known = blocked_[2 * exit.lane + (exit.to == graph_.end(exit.lane) ? 0 : 1)];
+// Positions at which no robot at rest keeps it from a move; ascending, apart.
+const std::vector<PlanInsertion::Range>& PlanInsertion::FreeRanges(std::uint32_t from, const TrafficExit& exit) {
+  std::optional<std::vector<Range>>& known = free_[2 * exit.lane + (exit.to == graph_.end(exit.lane) ? 0 : 1)];
   if (known) return *known;
-  std::vector<Range> ranges;
-  const auto near_start = graph_.VerticesNearVertex(from);
-  const auto near_end = graph_.VerticesNearVertex(exit.to);
-  for (const std::uint32_t vertex : graph_.VerticesNearLane(exit.lane)) {
-    if (Contains(near_start, vertex) && !Contains(near_end, vertex)) continue;
-    for (const Stay& stay : stays_[vertex]) ranges.push_back(stay.range);
+  std::vector<Range> blocked;
+  const auto add = [&](const std::vector<Range>& stays) { blocked.insert(blocked.end(), stays.begin(), stays.end()); };
+  ForEachNeed(
+      graph_, from, exit.lane, exit.to, [&](std::uint32_t vertex) { add(stays_[vertex]); },
+      [&](std::uint32_t group) { add(members_[group]); });
+  std::sort(blocked.begin(), blocked.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
+  std::vector<Range> free;
+  std::size_t next = 0;  // the first position after those that are known to be blocked
+  for (const Range& range : blocked) {
+    if (range.begin > next) free.push_back({next, range.begin - 1});
+    next = std::max(next, range.end + 1);
   }
-  for (const std::uint32_t group : graph_.GroupsOfLane(exit.lane)) {
-    if (Contains(graph_.GroupsOfVertex(from), group) && !Contains(graph_.GroupsOfVertex(exit.to), group)) continue;
-    for (const Stay& stay : members_[group]) ranges.push_back(stay.range);
-  }
-  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
-  std::vector<Range> merged;
-  for (const Range& range : ranges) {
-    if (!merged.empty() && range.begin <= merged.back().end + 1) {
-      merged.back().end = std::max(merged.back().end, range.end);
-    } else {
-      merged.push_back(range);
-    }
-  }
-  return known.emplace(std::move(merged));
+  if (next <= moves_.size()) free.push_back({next, moves_.size()});
+  return known.emplace(std::move(free));
 }
 
 const PlanInsertion::Conflicts& PlanInsertion::ConflictsOf(std::uint32_t lane) {
@@ -139,7 +116,7 @@ const PlanInsertion::Conflicts& PlanInsertion::ConflictsOf(std::uint32_t lane) {
 
 // Whether it may rest there after all moves of the others.
 bool PlanInsertion::IsFreeAtEnd(std::uint32_t vertex) const {
-  const auto is_last = [&](const Stay& stay) { return stay.range.end == moves_.size(); };
+  const auto is_last = [&](const Range& stay) { return stay.end == moves_.size(); };
   for (const std::uint32_t near : graph_.VerticesNearVertex(vertex)) {
     if (std::any_of(stays_[near].begin(), stays_[near].end(), is_last)) return false;
   }
@@ -149,25 +126,52 @@ bool PlanInsertion::IsFreeAtEnd(std::uint32_t vertex) const {
   return true;
 }
 
+// Calls visit(position, rest, finish, delay) for the moves along an exit: for each range of positions at the end of the
+// lane the first one possible, and the best one after moves that would lose time by it. `delay` with its weight.
+template <typename Visit>
+void PlanInsertion::ForEachNext(const State& state, const TrafficExit& exit, double delay_weight, const Visit& visit) {
+  const Conflicts& conflicts = ConflictsOf(exit.lane);
+  const auto move_at = [&](std::size_t position) {
+    const auto next = std::lower_bound(conflicts.positions.begin(), conflicts.positions.end(), position);
+    const auto index = static_cast<std::size_t>(next - conflicts.positions.begin());
+    const double free = index == 0 ? 0.0 : conflicts.latest_finish[index - 1];
+    const double finish = std::max({state.seconds, free, busy_[exit.lane]}) + exit.seconds;
+    const bool is_last = index == conflicts.positions.size();
+    const double delay = is_last ? 0.0 : std::max(0.0, finish - conflicts.earliest_start[index]);
+    return std::pair(finish, delay_weight * delay);
+  };
+  for (const Range& free : FreeRanges(state.vertex, exit)) {
+    const std::size_t until = std::min(free.end, state.rest.end);
+    for (std::size_t from = std::max(free.begin, state.position); from <= until;) {
+      const Range rest = RestAt(exit.to, from);
+      const std::size_t to = std::min(until, rest.end);
+      auto [finish, delay] = move_at(from);
+      visit(from, rest, finish, delay);
+      std::size_t best = from;
+      auto next = std::lower_bound(conflicts.positions.begin(), conflicts.positions.end(), from);
+      for (; delay > 0.0 && next != conflicts.positions.end() && *next < to; ++next) {
+        const auto [later, less] = move_at(*next + 1);
+        if (later + less >= finish + delay) continue;
+        finish = later;
+        delay = less;
+        best = *next + 1;
+      }
+      if (best != from) visit(best, rest, finish, delay);
+      from = rest.end + 1;
+    }
+  }
+}
+
 std::optional<std::vector<PlanInsertion::Step>> PlanInsertion::Find(std::uint32_t goal,
                                                                     const std::vector<float>& seconds_to_goal,
                                                                     double delay_weight) {
-  struct State {
-    std::uint32_t vertex = 0;
-    std::size_t position = 0;
-    Range rest;
-    double seconds = 0.0;  // at rest there from then on
-    double delays = 0.0;   // of others
-    std::uint32_t parent = Formation::kNone;
-    TrafficExit by = {};
-  };
   if (!IsFreeAtEnd(goal)) return std::nullopt;
   std::vector<State> states;
   using Entry = std::tuple<double, std::size_t, std::uint32_t>;  // cost, position, state
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   // The least position with which each vertex and range has been left.
   std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> done;
-  const auto add = [&](State state) {
+  const auto add = [&](const State& state) {
     const auto left = static_cast<double>(seconds_to_goal[state.vertex]);
     if (left == kNever) return;
     const auto found = done.find({state.vertex, state.rest.begin});
@@ -181,10 +185,8 @@ std::optional<std::vector<PlanInsertion::Step>> PlanInsertion::Find(std::uint32_
     open.pop();
     const State state = states[number];
     const auto [found, is_new] = done.try_emplace({state.vertex, state.rest.begin}, state.position);
-    if (!is_new) {
-      if (found->second <= state.position) continue;
-      found->second = state.position;
-    }
+    if (!is_new && found->second <= state.position) continue;
+    found->second = state.position;
     if (state.rest.end == moves_.size() && state.vertex == goal) {
       std::vector<Step> steps;
       for (std::uint32_t at = number; states[at].parent != Formation::kNone; at = states[at].parent) {
@@ -195,54 +197,9 @@ std::optional<std::vector<PlanInsertion::Step>> PlanInsertion::Find(std::uint32_
     }
     for (const TrafficExit& exit : graph_.exits(state.vertex)) {
       if (closed_[exit.lane]) continue;
-      const std::vector<Range>& blocked = BlockedRanges(state.vertex, exit);
-      const Conflicts& conflicts = ConflictsOf(exit.lane);
-      const auto move_at = [&](std::size_t position) {
-        const auto next = std::lower_bound(conflicts.positions.begin(), conflicts.positions.end(), position);
-        const auto index = static_cast<std::size_t>(next - conflicts.positions.begin());
-        const double free = index == 0 ? 0.0 : conflicts.latest_finish[index - 1];
-        const double start = std::max({state.seconds, free, busy_[exit.lane]});
-        const double finish = start + exit.seconds;
-        const double delay =
-            index == conflicts.positions.size() ? 0.0 : std::max(0.0, finish - conflicts.earliest_start[index]);
-        return std::pair(finish, delay_weight * delay);
-      };
-      auto hindrance = std::lower_bound(blocked.begin(), blocked.end(), state.position,
-                                        [](const Range& range, std::size_t position) { return range.end < position; });
-      std::size_t from = state.position;
-      for (;;) {
-        // The next free positions.
-        if (hindrance != blocked.end() && hindrance->begin <= from) {
-          from = hindrance->end + 1;
-          ++hindrance;
-          continue;
-        }
-        if (from > state.rest.end) break;
-        const std::size_t last = hindrance == blocked.end() ? moves_.size() : hindrance->begin - 1;
-        const std::size_t until = std::min(last, state.rest.end);
-        while (from <= until) {
-          const Range rest = RestAt(exit.to, from);
-          const std::size_t to = std::min(until, rest.end);
-          // At once, or after one of those that would lose time.
-          std::size_t best = from;
-          auto [finish, delay] = move_at(from);
-          add({exit.to, from, rest, finish, state.delays + delay, number, exit});
-          if (delay > 0.0) {
-            for (auto next = std::lower_bound(conflicts.positions.begin(), conflicts.positions.end(), from);
-                 next != conflicts.positions.end() && *next < to; ++next) {
-              const auto [later, less] = move_at(*next + 1);
-              if (later + less >= finish + delay) continue;
-              finish = later;
-              delay = less;
-              best = *next + 1;
-            }
-            if (best != from) add({exit.to, best, rest, finish, state.delays + delay, number, exit});
-          }
-          from = rest.end + 1;
-        }
-        if (last == moves_.size()) break;
-        from = last + 1;
-      }
+      ForEachNext(state, exit, delay_weight, [&](std::size_t position, const Range& rest, double finish, double delay) {
+        add({exit.to, position, rest, finish, state.delays + delay, number, exit});
+      });
     }
   }
   return std::nullopt;

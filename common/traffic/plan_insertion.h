@@ -4,7 +4,8 @@
 // 2011), with positions in the sequence of moves in place of times: at position p the first p moves have been made. At
 // a vertex a robot may rest from one position to another as long as no move between them needs its place. A move of its
 // own at a position has to keep clear of all robots that rest there then. Of all ways the one is taken that arrives
-// first, by the estimated times of the moves; delays of others count, too. The robot waits where it is in nobody's way.
+// first, by the estimated times of the moves; delays of others count, too. The robot waits at places that no move
+// needs.
 //
 // Cost of a search: a row for each vertex and interval that is reached, with a look at the moves near each exit.
 #pragma once
@@ -60,17 +61,25 @@ class PlanInsertion {
     std::vector<double> latest_finish;   // s, of the moves up to each of these
     std::vector<double> earliest_start;  // s, of the moves from each of these on
   };
-  struct Stay {
-    Range range;
-    std::uint32_t row = 0;
+  // At rest at a vertex, in the search.
+  struct State {
+    std::uint32_t vertex = 0;
+    std::size_t position = 0;
+    Range rest = {};
+    double seconds = 0.0;  // at rest there from then on
+    double delays = 0.0;   // s, of others
+    std::uint32_t parent = Formation::kNone;
+    TrafficExit by = {};
   };
 
   void FindStays();
   void FindHits();
   bool IsFreeAtEnd(std::uint32_t vertex) const;
   Range RestAt(std::uint32_t vertex, std::size_t position) const;
-  const std::vector<Range>& BlockedRanges(std::uint32_t from, const TrafficExit& exit);
+  const std::vector<Range>& FreeRanges(std::uint32_t from, const TrafficExit& exit);
   const Conflicts& ConflictsOf(std::uint32_t lane);
+  template <typename Visit>
+  void ForEachNext(const State& state, const TrafficExit& exit, double delay_weight, const Visit& visit);
 
   const TrafficGraph& graph_;
   const std::vector<bool>& closed_;
@@ -79,13 +88,13 @@ class PlanInsertion {
   std::uint32_t row_;
   double ready_;
   std::span<const double> busy_;
-  std::vector<std::vector<Stay>> stays_;                    // by vertex, of others
-  std::vector<std::vector<Stay>> members_;                  // by group
-  std::vector<std::vector<std::size_t>> hits_;              // by vertex: moves that need it, ascending
-  std::vector<std::optional<std::vector<Range>>> blocked_;  // by lane and direction
-  std::vector<Conflicts> conflicts_;                        // by lane
-  std::vector<std::vector<std::size_t>> moves_on_;          // by lane
-  std::vector<std::vector<std::size_t>> moves_in_;          // by group
+  std::vector<std::vector<Range>> stays_;                // by vertex, of others
+  std::vector<std::vector<Range>> members_;              // by group
+  std::vector<std::vector<std::size_t>> hits_;           // by vertex: moves that need it, ascending
+  std::vector<std::optional<std::vector<Range>>> free_;  // by lane and direction
+  std::vector<Conflicts> conflicts_;                     // by lane
+  std::vector<std::vector<std::size_t>> moves_on_;       // by lane
+  std::vector<std::vector<std::size_t>> moves_in_;       // by group
 };
 
 }  // namespace troupe

@@ -273,7 +273,7 @@ class Planner {
     for (const RowMove& move : ways.moves()) {
       plan_.moves.push_back({plan_.robots[move.row].robot, move.lane, move.to, false});
     }
-    for (std::uint32_t row = 0; row < plan_.robots.size(); ++row) waits_for_.push_back(ways.FindBlocker(row));
+    waits_for_ = ways.FindBlockers();
   }
 
   void Grant() {

@@ -225,6 +225,18 @@ std::vector<std::uint32_t> TrafficSearch::PartsWithout(std::uint32_t one, std::o
   return parts;
 }
 
+// The vertex of a robot, and the number of free vertices of each part without it.
+std::vector<std::uint32_t> TrafficSearch::KeyOf(const Formation& formation, std::uint32_t row) const {
+  std::vector<std::uint32_t> key = {formation.place(row)};
+  const std::vector<std::uint32_t> parts = PartsWithout(formation.place(row), {});
+  for (std::uint32_t vertex = 0; vertex < parts.size(); ++vertex) {
+    if (parts[vertex] == Formation::kNone) continue;
+    if (parts[vertex] + 2 > key.size()) key.resize(parts[vertex] + 2, 0);
+    if (formation.occupant(vertex) == Formation::kNone) ++key[parts[vertex] + 1];
+  }
+  return key;
+}
+
 bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uint32_t goal,
                                std::size_t max_visits) const {
   struct State {
@@ -241,19 +253,8 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
   const auto is_nearer = [&](std::uint32_t vertex) {
     return vertex == goal || (graph_.IsOpen(vertex) && seconds_to[vertex] < seconds_to[formation.place(row)]);
   };
-  // The vertex of the robot, and the free vertices of each part without it.
-  const auto key_of = [&](const Formation& there) {
-    std::vector<std::uint32_t> key = {there.place(row)};
-    const std::vector<std::uint32_t> parts = PartsWithout(there.place(row), {});
-    for (std::uint32_t vertex = 0; vertex < parts.size(); ++vertex) {
-      if (parts[vertex] == Formation::kNone) continue;
-      if (parts[vertex] + 2 > key.size()) key.resize(parts[vertex] + 2, 0);
-      if (there.occupant(vertex) == Formation::kNone) ++key[parts[vertex] + 1];
-    }
-    return key;
-  };
   open.push({seconds_to[formation.place(row)], 0});
-  seen.insert(key_of(formation));
+  seen.insert(KeyOf(formation, row));
   std::optional<std::uint32_t> found;
   visits_ = 0;
   while (!open.empty() && !found && states.size() < kMaxStates && visits_ < max_visits) {
@@ -266,7 +267,7 @@ bool TrafficSearch::FindAnyWay(Formation& formation, std::uint32_t row, std::uin
       const Marks marks = Near(std::span(&exit, 1));
       if (!Clear(there, row, exit.lane, exit.to, marks, marks)) return there.UndoTo(begun);
       there.Move(row, exit.lane, exit.to);
-      if (!found && seen.insert(key_of(there)).second) {
+      if (!found && seen.insert(KeyOf(there, row)).second) {
         const double seconds = state.seconds + exit.seconds + static_cast<double>(there.moves().size()) - 1.0;
         if (is_nearer(exit.to)) found = static_cast<std::uint32_t>(states.size());
         open.push({seconds + seconds_to[exit.to], static_cast<std::uint32_t>(states.size())});

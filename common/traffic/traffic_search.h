@@ -56,6 +56,7 @@ class TrafficSearch {
   bool MoveChain(Formation& formation, const std::vector<TrafficExit>& way, std::uint32_t first) const;
   bool MayPass(const Formation& formation, std::uint32_t pinned, std::uint32_t moving, const TrafficExit& exit) const;
   Marks Near(std::span<const TrafficExit> lanes) const;
+  std::vector<std::uint32_t> KeyOf(const Formation& formation, std::uint32_t row) const;
   std::vector<std::uint32_t> PartsWithout(std::uint32_t one, std::optional<std::uint32_t> two) const;
 
   const TrafficGraph& graph_;

@@ -59,35 +59,43 @@ void TrafficWays::MakeRoom(std::uint32_t vertex, std::uint32_t lane) {
   moves_.insert(moves_.end(), formation.moves().begin(), formation.moves().end());
 }
 
-// The plan does not bring it to its goal.
-bool TrafficWays::IsWithoutWay(std::uint32_t row) const {
+// It has a goal, at which it will not be after the granted moves.
+bool TrafficWays::IsOnWay(std::uint32_t row) const {
   const TrafficRobot& robot = robots_[row];
-  if (!robot.goal || IsAtGoal(robot) || places_[row] == *robot.goal) return false;
-  return std::none_of(moves_.begin(), moves_.end(),
-                      [&](const RowMove& move) { return move.row == row && move.to == *robot.goal; });
+  return robot.goal && !IsAtGoal(robot) && places_[row] != *robot.goal;
 }
 
-std::optional<std::uint32_t> TrafficWays::FindBlocker(std::uint32_t row) const {
-  if (!has_no_way_[row]) return std::nullopt;
-  const Formation formation(graph_, places_);
-  const std::vector<float>& seconds = routes_.To(*robots_[row].goal);
-  const TrafficExit* best = nullptr;
-  for (const TrafficExit& exit : graph_.exits(places_[row])) {
-    if (!closed_[exit.lane] && (best == nullptr || seconds[exit.to] < seconds[best->to])) best = &exit;
+// Those that the plan does not bring to their goals.
+void TrafficWays::FindThoseWithoutWay() {
+  for (std::uint32_t row = 0; row < robots_.size(); ++row) has_no_way_[row] = IsOnWay(row);
+  for (const RowMove& move : moves_) {
+    if (robots_[move.row].goal == move.to) has_no_way_[move.row] = false;
   }
-  std::optional<std::uint32_t> blocker;
-  if (best != nullptr) {
+}
+
+std::vector<std::optional<std::uint32_t>> TrafficWays::FindBlockers() const {
+  std::vector<std::optional<std::uint32_t>> blockers(robots_.size());
+  const Formation formation(graph_, places_);
+  for (std::uint32_t row = 0; row < robots_.size(); ++row) {
+    if (!has_no_way_[row]) continue;
+    const std::vector<float>& seconds = routes_.To(*robots_[row].goal);
+    const TrafficExit* best = nullptr;
+    for (const TrafficExit& exit : graph_.exits(places_[row])) {
+      if (!closed_[exit.lane] && (best == nullptr || seconds[exit.to] < seconds[best->to])) best = &exit;
+    }
+    if (best == nullptr) continue;
+    std::optional<std::uint32_t>& blocker = blockers[row];
     formation.ForEachBlocker(row, best->lane, best->to, [&](std::uint32_t other) {
       if (!blocker || other < *blocker) blocker = other;
     });
   }
-  return blocker;
+  return blockers;
 }
 
 void TrafficWays::Plan(Tick tick) {
+  FindThoseWithoutWay();
   std::vector<std::uint32_t> order;
   for (std::uint32_t row = 0; row < robots_.size(); ++row) {
-    has_no_way_[row] = IsWithoutWay(row);
     if (has_no_way_[row] && !is_fixed_[row]) order.push_back(row);
   }
   std::stable_sort(order.begin(), order.end(),
@@ -99,9 +107,7 @@ void TrafficWays::Plan(Tick tick) {
   }
   if (!robots_.empty()) {
     const auto row = static_cast<std::uint32_t>(tick % robots_.size());
-    const TrafficRobot& robot = robots_[row];
-    const bool is_on_way = robot.goal && !IsAtGoal(robot) && places_[row] != *robot.goal && !is_fixed_[row];
-    if (is_on_way && Insert(row)) has_no_way_[row] = false;
+    if (IsOnWay(row) && !is_fixed_[row] && Insert(row)) has_no_way_[row] = false;
   }
   if (tick % kSearchTicks == 0) SearchPastOthers(order, tick);
 }

@@ -52,11 +52,12 @@ class TrafficWays {
   void Plan(Tick tick);
 
   const std::vector<RowMove>& moves() const { return moves_; }
-  // The row of a robot in the way of one without a way.
-  std::optional<std::uint32_t> FindBlocker(std::uint32_t row) const;
+  // By row: that of a robot in the way of one without a way.
+  std::vector<std::optional<std::uint32_t>> FindBlockers() const;
 
  private:
-  bool IsWithoutWay(std::uint32_t row) const;
+  bool IsOnWay(std::uint32_t row) const;
+  void FindThoseWithoutWay();
   std::vector<std::uint32_t> EndPlaces() const;
   bool Insert(std::uint32_t row);
   void EstimateTimes(std::vector<TimedMove>& moves, std::vector<double>& ready, std::vector<double>& busy) const;
