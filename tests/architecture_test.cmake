@@ -42,7 +42,8 @@ set(may_include_worldfile/models/types
   common/base common/geometry common/model worldfile/models/properties worldfile/stage
   worldfile/text)
 set(may_include_worldfile/models
-  common/base common/geometry common/image common/model common/run common/spatial worldfile/map worldfile/models/properties
+  common/base common/geometry common/image common/model common/run common/spatial common/traffic worldfile/map
+  worldfile/models/properties
   worldfile/models/types worldfile/sites worldfile/stage worldfile/text)
 set(may_include_worldfile/scenario
   common/base common/geometry common/model common/bitmap common/run common/spatial

@@ -43,7 +43,7 @@ Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& o
   if (!built.ok()) return built;
   Result<LoadedWorld> crowded = AddCrowd(std::move(built).value());
   if (!crowded.ok()) return crowded;
-  if (Status error = CheckControllersInWorld(crowded.value(), path, overrides); !error.ok()) return error.error();
+  if (Status error = PrepareForControllers(crowded.value(), path, overrides); !error.ok()) return error.error();
   return crowded;
 }
 

@@ -25,7 +25,8 @@ struct RowMove {
 };
 
 // Calls visit_vertex(vertex) and visit_group(group) for all that a move from a vertex along `lane` to `to` needs for
-// itself: a robot at rest there keeps another one from it. Robots that are near to each other may move apart.
+// itself: a robot at rest there keeps another one from it. Robots that are near to each other may move apart, on a way
+// that leads straight away.
 template <typename VisitVertex, typename VisitGroup>
 void ForEachNeed(const TrafficGraph& graph, std::uint32_t from, std::uint32_t lane, std::uint32_t to,
                  const VisitVertex& visit_vertex, const VisitGroup& visit_group) {
@@ -33,8 +34,8 @@ void ForEachNeed(const TrafficGraph& graph, std::uint32_t from, std::uint32_t la
     return std::binary_search(sorted.begin(), sorted.end(), number);
   };
   for (const std::uint32_t vertex : graph.VerticesNearLane(lane)) {
-    const bool moves_apart =
-        contains(graph.VerticesNearVertex(from), vertex) && !contains(graph.VerticesNearVertex(to), vertex);
+    const bool moves_apart = contains(graph.VerticesNearVertex(from), vertex) &&
+                             !contains(graph.VerticesNearVertex(to), vertex) && graph.LeadsAway(from, to, vertex);
     if (!moves_apart) visit_vertex(vertex);
   }
   for (const std::uint32_t group : graph.GroupsOfLane(lane)) {

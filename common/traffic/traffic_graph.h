@@ -20,6 +20,9 @@
 
 namespace troupe {
 
+// m, beside the body of a robot: as a controller stops behind another robot, and not exactly at a vertex.
+inline constexpr double kTrafficMargin = 0.2;
+
 // A way out of a vertex.
 struct TrafficExit {
   std::uint32_t to = 0;
@@ -60,6 +63,11 @@ class TrafficGraph {
   std::span<const std::uint32_t> VerticesNearVertex(std::uint32_t vertex) const { return vertices_.at(vertex).near; }
   std::span<const std::uint32_t> VerticesNearLane(std::uint32_t lane) const { return lanes_[lane].near_vertices; }
   std::span<const std::uint32_t> LanesNearLane(std::uint32_t lane) const { return lanes_[lane].near_lanes; }
+  // The straight way between two vertices comes no nearer to a third one than its start.
+  bool LeadsAway(std::uint32_t from, std::uint32_t to, std::uint32_t vertex) const {
+    const Vec2& start = vertices_[from].position;
+    return (vertices_[to].position - start).dot(vertices_[vertex].position - start) <= 0.0;
+  }
   // m along a lane, from which on a robot is clear of all that is near its start alone; infinity for a short lane.
   double leave_distance(std::uint32_t lane) const { return lanes_[lane].leave_distance; }
   // Those that conflict with the rest of a lane on the way `to` one of its ends; as above. REQUIRES: it can be left.

@@ -112,7 +112,7 @@ constexpr ParameterHelp kLanesParameters[] = {
      "Of the store's capacity: below it the robot drives to the nearest charger"},
     kChargeToHelp,
     {"close_doors", "flag", "", "true", 0.0, 0.0, "Close doors behind it"},
-    {"planned", "flag", "", "false", 0.0, 0.0, "Take part in the planned traffic of the lanes"},
+    {"planned", "flag", "", "true", 0.0, 0.0, "Take part in the planned traffic of the lanes"},
     {"graph", "number", "", "", 0.0, 1e6, "The number of a graph of lanes; without it that nearest to its start"}};
 constexpr ParameterHelp kLaserNoiseParameters[] = {
     {"samples", "number", "", "100", 2.0, 1e6, "Readings for each report"}};

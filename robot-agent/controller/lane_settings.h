@@ -27,7 +27,7 @@ struct LaneSettings {
   double charge_below = 0.3;
   double charge_to = 0.95;
   bool close_doors = true;  // behind it
-  bool planned = false;     // it takes part in the planned traffic of the lanes
+  bool planned = true;      // it takes part in the planned traffic of the lanes
 
   static constexpr double kMaxSpeed = 1.0;  // m/s, without `speed`
 };

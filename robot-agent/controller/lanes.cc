@@ -503,12 +503,17 @@ class LanesController final : public Controller, public RobotWatcher {
   // Another robot is in the way.
   void Block(RobotId other, const Leg& leg, double at = 0.0) {
     is_blocked_ = true;
-    if (plan_) return;  // the plan has the turns of robots
+    if (plan_) {
+      // The plan has the turns of robots; one that stays is not where the plan takes it to be, or takes no part.
+      if (has_arrived_) ObstructMove(NameOfRobot(other), leg);
+      return;
+    }
     std::optional<BlockEnd> end = giving_way_.OnBlocked(place(), other, leg, is_on_leg_ && at >= kAtStart);
     if (!end) return;
-    const std::string& name = around_ ? around_->world().robot(other).name : "";
-    End(*std::move(end), name, leg);
+    End(*std::move(end), NameOfRobot(other), leg);
   }
+
+  std::string NameOfRobot(RobotId robot) const { return around_ ? around_->world().robot(robot).name : ""; }
 
   void ObstructByDoor(const LaneDoor& door, const Leg& leg, double at) {
     Obstruct(fmt::format("door {}, which does not open,", controls_.NameOf(door)), leg, at);

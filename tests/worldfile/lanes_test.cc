@@ -436,8 +436,7 @@ levels:
 // An idle robot makes room on the only lane, and comes back.
 TEST(Lanes, AnIdleRobotReturnsAfterItHasMadeRoom) {
   test::TemporaryFolder folder;
-  ScenarioRun run(LoadOnLanes(
-      folder, R"(
+  ScenarioRun run(LoadOnLanes(folder, R"(
 coordinate_system: cartesian_meters
 levels:
   G:
@@ -448,7 +447,8 @@ levels:
       - [4, 2, 0, side]
     lanes: [[0, 1, {bidirectional: true}], [1, 2, {}], [1, 3, {bidirectional: true, graph_idx: 1}]]
 )",
-      OnLanes("alpha", R"({"places": ["c"], "repeat": false})") + ", " + OnLanes("beta", R"({"graph": 1})")));
+                              OnLanes("alpha", R"({"places": ["c"], "repeat": false, "planned": false})") + ", " +
+                                  OnLanes("beta", R"({"graph": 1, "planned": false})")));
   bool was_aside = false;
   for (int i = 0; i < 1200; ++i) {
     run.Run(1);

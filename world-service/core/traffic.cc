@@ -12,8 +12,6 @@
 namespace troupe {
 namespace {
 
-// Beside the body of a robot: as the controller stops behind another robot, and not exactly at a vertex.
-constexpr double kMargin = 0.2;    // m
 constexpr double kLevelGap = 1.3;  // m: bodies so far apart in height are on different levels
 
 std::size_t GraphOf(const WorldDescription& world, std::uint32_t vertex) {
@@ -81,7 +79,7 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   std::vector<double> radii(world.lane_graphs.size(), 0.0);
   const auto add_radius = [&](RobotId robot, std::uint32_t vertex) {
     double& radius = radii[GraphOf(world, vertex)];
-    radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius + kMargin);
+    radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius + kTrafficMargin);
   };
   std::vector<TrafficRequest> requests;
   orders.ForEachOfRobots<TrafficOrder>([&](RobotId robot, const TrafficOrder& order) {

@@ -12,6 +12,7 @@
 #include "worldfile/models/properties/property_reader.h"
 #include "worldfile/models/start_overlap.h"
 #include "worldfile/models/types/model_types.h"
+#include "worldfile/models/waiting_points.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/text/text_file.h"
 
@@ -363,7 +364,9 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
   return loaded;
 }
 
-Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides) {
+Status PrepareForControllers(LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides) {
+  for (const std::string& message : FindNarrowLanes(loaded.world)) loaded.warnings.push_back({{file}, message});
+  AddWaitingPoints(loaded.world);
   if (!overrides.check_in_world) return Status();
   std::vector<RobotId> robots;
   for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) robots.emplace_back(i);
@@ -373,7 +376,6 @@ Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& fil
 
 void AppendPlacementWarnings(const std::string& file, LoadedWorld& loaded) {
   for (const std::string& message : FindStartOverlaps(loaded.world)) loaded.warnings.push_back({{file}, message});
-  for (const std::string& message : FindNarrowLanes(loaded.world)) loaded.warnings.push_back({{file}, message});
 }
 
 }  // namespace troupe

@@ -76,8 +76,9 @@ struct BuildOptions {
 Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides = {},
                                const BuildOptions& options = {});
 
-// The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
-Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
+// Of a world whose robots have their controllers: warns of narrow lanes, and adds waiting points to lanes of planned
+// traffic. The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
+Status PrepareForControllers(LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
 
 // Warnings about the places of things in the whole world of a file: starts inside other models, lanes at open doors.
 void AppendPlacementWarnings(const std::string& file, LoadedWorld& loaded);

@@ -7,10 +7,8 @@
 #include <optional>
 #include <span>
 
-#include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
-#include "troupe/rectangle.h"
-#include "troupe/world_state.h"
+#include "worldfile/models/robot_outlines.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
@@ -22,21 +20,8 @@ constexpr double kRobotHeight = 1.0;  // m above the lane: a leaf that begins hi
 // m: half of the smallest side of the boxes around the robots; nothing without robots.
 std::optional<double> HalfWidthOfNarrowestRobot(const WorldDescription& world) {
   if (world.robots.empty()) return std::nullopt;
-  const std::vector<Pose> poses = ModelPoses(world, PlacedState(world));
-  std::vector<std::optional<std::size_t>> robot_of(world.models.size());
-  for (std::size_t i = 0; i < world.robots.size(); ++i) robot_of[world.robots[i].root.index()] = i;
-  std::vector<Rectangle> boxes(world.robots.size(), Rectangle::Nothing());  // frame R
-  for (std::size_t i = 0; i < world.models.size(); ++i) {
-    const ModelDescription& model = world.models[i];
-    if (model.parent && !robot_of[i]) robot_of[i] = robot_of[model.parent->index()];
-    if (!robot_of[i] || !model.obstacle_return) continue;
-    const Pose X_RM = Inverse(poses[world.robots[*robot_of[i]].root.index()]) * poses[i];
-    for (const ConvexPiece& piece : MakePieces(world, ModelId(i), X_RM)) {
-      boxes[*robot_of[i]].Extend(BoundingBox(piece.vertices));
-    }
-  }
   double narrowest = std::numeric_limits<double>::infinity();
-  for (const Rectangle& box : boxes) {
+  for (const auto& [box, radius] : OutlinesOfRobots(world)) {
     // The smallest side of the box in the robot's frame: a robot passes a gap at best along its longer axis.
     const double width = box.empty() ? 0.0 : std::min(box.width(), box.height());
     narrowest = std::min(narrowest, 0.5 * width);

@@ -355,6 +355,29 @@ TEST(TrafficPlanTest, ARobotStartsToTakePartWhereNoOtherIs) {
   EXPECT_TRUE(plan.moves.empty());
 }
 
+// As they may be placed at the start.
+TEST(TrafficPlanTest, ARobotDoesNotPassOneThatIsNearItsStart) {
+  LaneDraft draft;
+  draft.Add(0.0, 0.0);
+  draft.Add(3.0, 0.0);
+  draft.Add(0.4, 0.4);
+  draft.Add(0.4, 3.0);
+  draft.Join(0, 1);
+  draft.Join(2, 3);
+  TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({draft.graph})));
+  const std::vector<bool> obstructed(2, false);
+  TrafficPlan plan;
+  const std::vector<TrafficRequest> requests = {{.robot = RobotId(0), .at = 0, .goal = 1},
+                                                {.robot = RobotId(1), .at = 2}};
+  for (Tick tick = 1; tick < 20; ++tick) PlanTraffic(routes, requests, obstructed, tick, plan);
+  ASSERT_EQ(plan.moves.size(), 2u);
+  EXPECT_EQ(plan.moves[0].robot, RobotId(1));
+  EXPECT_EQ(plan.moves[0].to, 3u);
+  EXPECT_TRUE(plan.moves[0].granted);
+  EXPECT_EQ(plan.moves[1].robot, RobotId(0));
+  EXPECT_FALSE(plan.moves[1].granted);
+}
+
 TEST(TrafficPlanTest, ARobotThatWaitsNamesTheOther) {
   TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({Chain(4, 5.0)})));
   const std::vector<bool> obstructed(3, false);
