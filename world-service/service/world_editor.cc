@@ -44,6 +44,12 @@ struct Notice {
   std::string operator()(const control::Light& light) const {
     return "light '" + light.name + (light.on ? "' is switched on" : "' is switched off");
   }
+  std::string operator()(const control::Lane& lane) const {
+    return "lane '" + lane.from + " - " + lane.to + (lane.speed_limit == 0.0 ? "' is closed" : "' is open");
+  }
+  std::string operator()(const control::Zone& zone) const {
+    return "zone '" + zone.name + (zone.on ? "' is switched on" : "' is switched off");
+  }
 };
 
 }  // namespace

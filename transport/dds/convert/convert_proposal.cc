@@ -76,6 +76,8 @@ void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& 
   OrdersToColumns<DoorOrder>(for_each, wire.doors, arena);
   OrdersToColumns<LiftOrder>(for_each, wire.lifts, arena);
   OrdersToColumns<TrafficOrder>(for_each, wire.traffic, arena);
+  OrdersToColumns<ChargeOrder>(for_each, wire.charging, arena);
+  OrdersToColumns<JobOrder>(for_each, wire.jobs, arena);
 }
 
 Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
@@ -89,6 +91,8 @@ Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& p
   if (problem.ok()) problem = OrdersFromColumns<DoorOrder>("proposal of doors", wire.doors, add);
   if (problem.ok()) problem = OrdersFromColumns<LiftOrder>("proposal of lifts", wire.lifts, add);
   if (problem.ok()) problem = OrdersFromColumns<TrafficOrder>("proposal of traffic", wire.traffic, add);
+  if (problem.ok()) problem = OrdersFromColumns<ChargeOrder>("proposal of charging", wire.charging, add);
+  if (problem.ok()) problem = OrdersFromColumns<JobOrder>("proposal of jobs", wire.jobs, add);
   return problem;
 }
 
