@@ -18,16 +18,18 @@ void LaneCharging::Watch(const WorldState& state, RobotId own, std::size_t first
   taken_.clear();
   vertex_.reset();
   at_charger_ = false;
+  others_wait_ = false;
   for (const ChargingRobot& row : state.charging_robots) {
     if (row.robot != own) {
       if (row.vertex) taken_.push_back(*row.vertex);
+      others_wait_ = others_wait_ || !row.at_charger;
     } else if (row.vertex && *row.vertex >= first_vertex && *row.vertex - first_vertex < graph_->vertices.size()) {
       vertex_ = *row.vertex - first_vertex;
       at_charger_ = row.at_charger;
     }
   }
   occupied_.clear();
-  if (!wants_) return;
+  if (!wants_ && !others_wait_) return;
   for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
     const LaneVertex& vertex = graph_->vertices[i];
     if ((vertex.is_charger || vertex.is_waiting_place) && IsTaken(vertex, others, radius)) occupied_.push_back(i);
@@ -35,6 +37,7 @@ void LaneCharging::Watch(const WorldState& state, RobotId own, std::size_t first
 }
 
 void LaneCharging::Update(const Observation& observation, std::size_t at, const std::vector<std::size_t>& barred) {
+  LeaveCharger(at, barred);
   if (!observation.energy || observation.energy->capacity <= 0.0) return;
   const double level = observation.energy->joules / observation.energy->capacity;
   if (!wants_) {
@@ -50,6 +53,29 @@ void LaneCharging::Update(const Observation& observation, std::size_t at, const 
   } else {
     Choose(observation.time, at, barred);
   }
+}
+
+// A parked robot would keep its charger for ever.
+void LaneCharging::LeaveCharger(std::size_t at, const std::vector<std::size_t>& barred) {
+  if (wants_ || off_ == at) off_.reset();
+  if (wants_ || off_ || !others_wait_ || !graph_->vertices[at].is_charger) return;
+  off_ = Soonest(at, false, true, barred);
+  if (!off_) off_ = AnyOther(at, barred);
+}
+
+// The nearest vertex that is no charger, in no lift and no group.
+std::optional<std::size_t> LaneCharging::AnyOther(std::size_t at, const std::vector<std::size_t>& barred) const {
+  std::optional<std::size_t> nearest;
+  double least = 0.0;
+  for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
+    const LaneVertex& vertex = graph_->vertices[i];
+    if (vertex.is_charger || vertex.lift || !vertex.mutex.empty()) continue;
+    const double distance = graph_->Way(at, i).norm();
+    if ((nearest && distance >= least) || !FastestRoute(*graph_, at, i, speed_, barred)) continue;
+    nearest = i;
+    least = distance;
+  }
+  return nearest;
 }
 
 // By its own wish for as long as nothing has changed: a search in each tick would cost more than all else.
@@ -68,6 +94,10 @@ void LaneCharging::Choose(double time, std::size_t at, const std::vector<std::si
 }
 
 void LaneCharging::GiveUp(double time) {
+  if (!wants_) {
+    off_.reset();
+    return;
+  }
   wants_ = false;
   after_ = time + kNextCharge;
 }

@@ -35,15 +35,19 @@ class LaneCharging {
   std::optional<std::size_t> charger() const { return at_charger_ ? vertex_ : std::nullopt; }
   // The place where it waits for one; nothing: it waits where it is.
   std::optional<std::size_t> waiting_place() const { return at_charger_ ? std::nullopt : vertex_; }
+  // Where it goes from a charger that it does not need and others wait for.
+  std::optional<std::size_t> way_off() const { return off_; }
   // While it wants to charge.
   ChargeOrder order() const { return order_; }
-  // The charger gives no power, or cannot be reached: it goes on without, for a while.
+  // The charger gives no power, or cannot be reached: it goes on without, for a while. Or it cannot leave a charger.
   void GiveUp(double time);
 
  private:
   bool IsFree(std::size_t vertex) const;
   std::optional<std::size_t> Soonest(std::size_t at, bool charger, bool only_free,
                                      const std::vector<std::size_t>& barred) const;
+  void LeaveCharger(std::size_t at, const std::vector<std::size_t>& barred);
+  std::optional<std::size_t> AnyOther(std::size_t at, const std::vector<std::size_t>& barred) const;
   void Choose(double time, std::size_t at, const std::vector<std::size_t>& barred);
 
   const LaneGraph* graph_;
@@ -55,7 +59,10 @@ class LaneCharging {
   std::vector<std::uint32_t> taken_;  // by other robots, through all graphs
   std::vector<std::size_t> occupied_;  // chargers and waiting places with another robot on them
 
+  bool others_wait_ = false;
+
   bool wants_ = false;
+  std::optional<std::size_t> off_;
   std::optional<std::size_t> vertex_;  // that the robot has
   bool at_charger_ = false;
   ChargeOrder order_;

@@ -87,7 +87,7 @@ std::optional<std::size_t> LaneTasks::target() const {
   if (next_goal_ < goal_stops_.size()) return goal_stops_[next_goal_];
   if (goods_ && goods_->has_job()) return goods_->target();
   if (!goal_ && next_stop_ < stops_.size()) return stops_[next_stop_];
-  return home_;
+  return home_ ? home_ : charging_.way_off();
 }
 
 // True: the stop is over and the next target counts.
@@ -130,8 +130,10 @@ void LaneTasks::LeaveOut(const Observation& observation) {
     goods_->GiveUp(observation.time);
   } else if (!goal_ && next_stop_ < stops_.size()) {
     NextStop();
-  } else {
+  } else if (home_) {
     home_.reset();
+  } else {
+    charging_.GiveUp(observation.time);
   }
 }
 

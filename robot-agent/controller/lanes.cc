@@ -215,9 +215,8 @@ class LanesController final : public Controller, public RobotWatcher {
     is_unreachable_ = !route;
     waits_for_lanes_ = !route && !barred_.lanes().empty() && FastestRoute(*graph_, at_, target, steer_.speed);
     if (!route) {
-      command_.report =
-          fmt::format(waits_for_lanes_ ? "all ways from {} to {} are closed: waits" : "no lanes lead from {} to {}",
-                      NameOf(*graph_, at_), NameOf(*graph_, target));
+      const std::string ends = fmt::format("from {} to {}", NameOf(*graph_, at_), NameOf(*graph_, target));
+      command_.report = waits_for_lanes_ ? "all ways " + ends + " are closed: waits" : "no lanes lead " + ends;
       return;
     }
     legs_ = std::move(route->legs);

@@ -365,7 +365,7 @@ levels:
       - [3, 6, {bidirectional: true}]
 )");
   folder.Write("w.inc", R"(
-define cart position( size [0.4 0.4 0.4] drive "diff" kjoules 10 watts 1 mass 1 take_watts 500
+define cart position( size [0.4 0.4 0.4] drive "diff" joules_capacity 10000 watts 1 mass 1 take_watts 500
   velocity_bounds [-1 1 0 0 0 0 -90 90] acceleration_bounds [-1 1 0 0 0 0 -180 180] )
 define station model( size [0.4 0.4 0.4] joules -1 give_watts 500 obstacle_return 0 ))");
   const auto robot = [](const std::string& name, double y, double kjoules) {

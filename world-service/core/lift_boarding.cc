@@ -13,13 +13,13 @@ constexpr double kCallDistance = 2.0;  // m from a lift's entrance
 constexpr double kPatience = 300.0;    // s: then a person gives up its goal
 constexpr double kSidestep = 0.6;      // of the speed, out of the way of leaving passengers
 constexpr double kAtPlace = 0.05;      // m
-constexpr double kSlowDown = 0.3;      // m, before a place
+constexpr double kSlowNearPlace = 0.3;      // m, before a place
 
 // The velocity of a person straight to a point in the frame of a doorway.
 // Slower near the point, so that a step does not overshoot it: the person would swing about its place.
 Vec2 Towards(const LiftStop& stop, const Vec2& here, const Vec2& to_U, double speed) {
   const Vec2 way = stop.FromU(to_U) - here;
-  return speed * std::min(1.0, way.norm() / kSlowDown) * Unit(way);
+  return speed * std::min(1.0, way.norm() / kSlowNearPlace) * Unit(way);
 }
 
 // On the way from the door to a place in the cabin, and back to it.

@@ -50,6 +50,11 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
   const PageControl light =
       Control(R"({"type": "control", "id": 1, "command": "light", "name": "r0.lamp", "on": false})");
   EXPECT_EQ(light.request, control::Request(control::Light{"r0.lamp", false}));
+  const PageControl lane = Control(
+      R"({"type": "control", "id": 1, "command": "lane", "from": "a", "to": "b", "speed_limit": 0.5})");
+  EXPECT_EQ(lane.request, control::Request(control::Lane{"a", "b", 0.5}));
+  const PageControl zone = Control(R"({"type": "control", "id": 1, "command": "zone", "name": "wet", "on": true})");
+  EXPECT_EQ(zone.request, control::Request(control::Zone{"wet", true}));
 }
 
 TEST(PageRequestTest, AsksForSignals) {
