@@ -318,7 +318,7 @@ TEST(SiteRules, FaultsOfScenariosAreNamed) {
     const char* keys;
     const char* text;
   } cases[] = {
-      {R"("zones": [{"name": "z", "kind": "wet", "region": [0, 0, 1, 1]}])", "s.json:2:34: error: found the string 'wet'"},
+      {R"("zones": [{"name": "z", "kind": "wet", "region": [0, 0, 1, 1]}])", "s.json:2:33: error: found the string 'wet'"},
       {R"("zones": [{"name": "z", "kind": "speed", "region": [0, 0, 1, 1]}])", "without 'speed_limit'"},
       {R"("zones": [{"name": "z", "kind": "keepout", "region": [0, 0, 1, 1], "speed_limit": 1}])",
        "found a 'speed_limit' of a keepout zone"},
@@ -333,7 +333,7 @@ TEST(SiteRules, FaultsOfScenariosAreNamed) {
       {R"("events": [{"at": 1, "lift": "up", "floor": "L1"}])", "found no lift 'up'"},
       {R"("events": [{"at": 1, "door": "gate", "on": true}])", "found 'on' in an event of a door"},
       {R"("events": [{"at": 1}])", "found an event of nothing"},
-      {R"("flows": [{"from": "a", "to": "nowhere", "per_hour": 1}])", "s.json:2:30: error: found no place 'nowhere'"},
+      {R"("flows": [{"from": "a", "to": "nowhere", "per_hour": 1}])", "s.json:2:31: error: found no place 'nowhere'"},
       {R"("flows": [{"from": "a", "to": "a", "per_hour": 1}])", "found a flow to its own start"},
       {R"("flows": [{"from": "a", "to": "b", "per_hour": -1}])", "expected a number of goods from 0 to 36000"},
   };
