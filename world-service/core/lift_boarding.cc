@@ -108,10 +108,17 @@ class Rider {
     if (is_open && wants_off && person_.boarding_ticks < PassingTicks(view_.world())) {
       return TowardsDoor(*stop, here_, radius_, speed_);
     }
+    if (person_.place == 0 && lift_.overloaded) return OutOfOverload();
     if (person_.place == 0) return OutOfDoorway();
     const LiftStop* const any = stop ? &*stop : AnyStop(portal_);
     if (any == nullptr) return {0.0, 0.0};
     return TowardsPlace(portal_, *any, here_, person_.place, speed_);
+  }
+
+  // The lift stays where it is, whatever it has been called to, until this person has left it.
+  Vec2 OutOfOverload() const {
+    const std::optional<std::uint32_t> floor = portal_.FloorAt(lift_.z);
+    return floor ? TowardsDoor(*portal_.stops[*floor], here_, radius_, speed_) : Vec2(0.0, 0.0);
   }
 
   // Without a place in the cabin a person gets out of the way of leaves that close. The cabin may have been called

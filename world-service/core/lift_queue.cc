@@ -90,12 +90,14 @@ class LiftService {
     if (last != nullptr) last->state->place = 0;
   }
 
-  // The lift carries the passenger, too, with all who are in the cabin or have a place there.
+  // The lift carries the passenger, too, with all who have a place in the cabin, and, for one who waits outside, with
+  // all who are in there.
   bool Carries(const Passenger& passenger) const {
     if (!IsLimited(description_)) return true;
     CabinLoad load = RobotsInCabin(workspace_, number_);
     for (const Passenger& each : passengers_) {
-      if (&each != &passenger && (each.is_inside || each.state->place != 0)) load.AddPerson();
+      const bool counts = each.state->place != 0 || (each.is_inside && !passenger.is_inside);
+      if (&each != &passenger && counts) load.AddPerson();
     }
     load.AddPerson();
     return load.IsWithin(description_);
