@@ -26,7 +26,8 @@ CoverageGrid GridOf(const ZoneDescription& zone) {
   const auto cells = [](double length) {
     return static_cast<std::size_t>(std::max(1.0, std::ceil(length / kCoverageCell - 1e-9)));
   };
-  return {.corner = {box.min_x, box.min_y}, .columns = cells(box.max_x - box.min_x), .rows = cells(box.max_y - box.min_y)};
+  return {
+      .corner = {box.min_x, box.min_y}, .columns = cells(box.max_x - box.min_x), .rows = cells(box.max_y - box.min_y)};
 }
 
 }  // namespace

@@ -27,10 +27,10 @@ inline constexpr double kCoverageCell = 0.1;               // m, side of a cell
 inline constexpr std::size_t kMaxCoverageCells = 1000000;  // of a zone
 
 struct CoverageGrid {
-  Vec2 corner{0.0, 0.0};     // m, lower left, in W
-  std::size_t columns = 0;   // along x
-  std::size_t rows = 0;      // along y
-  std::size_t first = 0;     // row of WorldState::coverage
+  Vec2 corner{0.0, 0.0};                                            // m, lower left, in W
+  std::size_t columns = 0;                                          // along x
+  std::size_t rows = 0;                                             // along y
+  std::size_t first = 0;                                            // row of WorldState::coverage
   std::size_t count() const { return (columns * rows + 31) / 32; }  // rows of the state
   Vec2 MiddleOf(std::size_t column, std::size_t row) const {
     return corner + kCoverageCell * Vec2(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);

@@ -208,7 +208,8 @@ void AddOfPeople(StateTable& table) {
 }
 
 void AddOfZones(StateTable& table) {
-  table.AddNumber("share", "", "of the cells of a cleaning zone on which robots were, from 0 to 1; none of another zone",
+  table.AddNumber("share", "",
+                  "of the cells of a cleaning zone on which robots were, from 0 to 1; none of another zone",
                   [](const SignalView& view, std::size_t row) {
                     const std::size_t cells = view.things.cells_of(row);
                     if (cells == 0) return kNoNumber;
@@ -218,9 +219,8 @@ void AddOfZones(StateTable& table) {
 
 void AddOfFlows(StateTable& table) {
   table.AddNumber("waiting", "", "goods that no robot has loaded yet", [](const SignalView& view, std::size_t row) {
-    return static_cast<double>(std::count_if(view.state.jobs.begin(), view.state.jobs.end(), [&](const Job& job) {
-      return job.flow == row && !job.is_loaded;
-    }));
+    return static_cast<double>(std::count_if(view.state.jobs.begin(), view.state.jobs.end(),
+                                             [&](const Job& job) { return job.flow == row && !job.is_loaded; }));
   });
   table.AddNumber("per_hour", "", "goods delivered so far in an hour of simulated time",
                   [](const SignalView& view, std::size_t row) {

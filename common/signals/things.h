@@ -41,8 +41,8 @@ class Things {
   std::size_t row_of(ThingId thing) const { return thing - first(kind_of(thing)); }
 
   // The name of the model of a robot, object, person, door, lift, light or store; "ROBOT.PART" of a joint, gripper,
-  // camera, inertial measurement unit or other sensor; the own name of a level, zone or flow; "GRAPH: START - END" of a lane; "KIND
-  // NUMBER" of any other thing.
+  // camera, inertial measurement unit or other sensor; the own name of a level, zone or flow; "GRAPH: START - END" of a
+  // lane; "KIND NUMBER" of any other thing.
   const std::string& name(ThingId thing) const { return names_[thing]; }
   const std::vector<std::string>& names() const { return names_; }
   // The model that the thing is or is mounted on; nothing if it has none.

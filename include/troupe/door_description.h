@@ -62,9 +62,8 @@ struct DoorDescription {
               "of that region across the doorway, from its middle to both sides; 0: it has no such sensor"}
             .In("m")
             .AtLeast(0),
-        Field{"hold", &DoorDescription::hold, "that it stays open once nothing holds it open any more"}
-            .In("s")
-            .Within(0, 3600),
+        Field{"hold", &DoorDescription::hold, "that it stays open once nothing holds it open any more"}.In("s").Within(
+            0, 3600),
         Field{"reopens", &DoorDescription::reopens, "a body that stops it while it closes opens it again, all the way"},
         Field{"opening", &DoorDescription::opening, "at load: 0 is closed, 1 open"}.Within(0, 1),
         Field{"operated", &DoorDescription::is_operated, "if not, requests have no effect"},

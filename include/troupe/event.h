@@ -50,12 +50,12 @@ constexpr bool IsOfBuilding(EventType type) {
   return type >= EventType::kDoorOpened;
 }
 constexpr auto NamesOf(EventType) {
-  return std::array{"stall_began",     "stall_ended",   "joined",       "left",         "proposal_rejected",
-                    "blocked",         "gripped",       "released",     "landed",       "unstable",
-                    "out_of_energy",   "said",          "reported",     "door_opened",  "door_closed",
-                    "door_blocked",    "lift_left",     "lift_arrived", "lift_blocked", "person_boarded",
+  return std::array{"stall_began",     "stall_ended",    "joined",          "left",          "proposal_rejected",
+                    "blocked",         "gripped",        "released",        "landed",        "unstable",
+                    "out_of_energy",   "said",           "reported",        "door_opened",   "door_closed",
+                    "door_blocked",    "lift_left",      "lift_arrived",    "lift_blocked",  "person_boarded",
                     "person_alighted", "person_arrived", "lift_overloaded", "lane_switched", "zone_switched",
-                    "goods_arrived", "goods_refused", "goods_loaded", "delivered"};
+                    "goods_arrived",   "goods_refused",  "goods_loaded",    "delivered"};
 }
 
 struct Event {

@@ -1,5 +1,5 @@
-// What an operator and the robots of a site change in a run, as a part of a WorldState: rules of lanes, zones, the turns
-// of robots at chargers, and goods on their way.
+// What an operator and the robots of a site change in a run, as a part of a WorldState: rules of lanes, zones, the
+// turns of robots at chargers, and goods on their way.
 //
 // Vertices and lanes are counted through all graphs of the world, in their order (WorldDescription::lane_graphs).
 #pragma once

@@ -244,9 +244,10 @@ Order ToOrder(py::handle row) {
   const auto is = [row](const char* record) { return py::isinstance(row, Record(record)); };
   if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder") && !is("TrafficOrder") &&
       !is("ChargeOrder") && !is("JobOrder")) {
-    throw py::type_error(fmt::format("orders: found {}, expected LightOrder, CameraOrder, DoorOrder, LiftOrder, "
-                                     "TrafficOrder, ChargeOrder or JobOrder",
-                                     TypeName(row)));
+    throw py::type_error(
+        fmt::format("orders: found {}, expected LightOrder, CameraOrder, DoorOrder, LiftOrder, "
+                    "TrafficOrder, ChargeOrder or JobOrder",
+                    TypeName(row)));
   }
   const auto m = py::reinterpret_borrow<py::tuple>(row);
   if (is("LightOrder")) return LightOrder{ToIndex(m[0], "light"), ToBool(m[1], "on")};

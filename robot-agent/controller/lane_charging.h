@@ -56,7 +56,7 @@ class LaneCharging {
   double to_;
   // Of the frame.
   std::size_t first_vertex_ = 0;
-  std::vector<std::uint32_t> taken_;  // by other robots, through all graphs
+  std::vector<std::uint32_t> taken_;   // by other robots, through all graphs
   std::vector<std::size_t> occupied_;  // chargers and waiting places with another robot on them
 
   bool others_wait_ = false;

@@ -1,8 +1,8 @@
 // LaneGoods: the goods that a robot on lanes brings from place to place, as the world gives it jobs
 // (world-service/core/goods.cc).
 //
-// The robot says in each tick whether it may get a job, and when it has loaded and delivered, by a JobOrder. What it has
-// to do it reads from the frame.
+// The robot says in each tick whether it may get a job, and when it has loaded and delivered, by a JobOrder. What it
+// has to do it reads from the frame.
 #pragma once
 
 #include <cstddef>

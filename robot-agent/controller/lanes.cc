@@ -651,7 +651,7 @@ class LanesController final : public Controller, public RobotWatcher {
   bool is_unreachable_ = false;
   BarredLanes barred_;
   bool has_new_bars_ = false;
-  bool waits_for_lanes_ = false;  // only barred lanes lead to its target
+  bool waits_for_lanes_ = false;   // only barred lanes lead to its target
   std::vector<std::string> held_;  // mutex groups of the present leg
   MutexTurn turn_;
   std::optional<double> rest_since_;  // s, simulated

@@ -31,8 +31,8 @@ const std::string kCart = R"(
 Simulation SimulateSite(const std::string& world, const std::string& people = "") {
   test::TemporaryFolder folder;
   folder.Write("w.world", kCart + world);
-  return ValueOf(Simulation::Load(
-      folder.Write("s.json", R"({"world": "w.world")" + (people.empty() ? "" : R"(, "people": [)" + people + "]") + "}")));
+  return ValueOf(Simulation::Load(folder.Write(
+      "s.json", R"({"world": "w.world")" + (people.empty() ? "" : R"(, "people": [)" + people + "]") + "}")));
 }
 
 // People that stand in a small region.
@@ -209,8 +209,8 @@ Simulation TwoWays(const std::string& keys, const std::string& parameters = R"({
 }
 
 struct Journey {
-  double highest = 0.0;   // m, y
-  double fastest = 0.0;   // m/s
+  double highest = 0.0;  // m, y
+  double fastest = 0.0;  // m/s
   bool has_arrived = false;
   Tick ticks = 0;
 };
@@ -265,7 +265,8 @@ TEST(SiteRules, KeepoutZonesAreHeededWhileTheyAreOn) {
     EXPECT_GT(round.highest, 3.5) << planned;
     Simulation off = TwoWays(zone + "false}]", InPlan(planned));
     EXPECT_LT(Travel(off, 600).highest, 0.2) << planned;
-    Simulation switched = TwoWays(zone + R"(true}], "events": [{"at": 0, "zone": "wet", "on": false}])", InPlan(planned));
+    Simulation switched =
+        TwoWays(zone + R"(true}], "events": [{"at": 0, "zone": "wet", "on": false}])", InPlan(planned));
     EXPECT_LT(Travel(switched, 600).highest, 0.2) << planned;
   }
 }
@@ -276,8 +277,8 @@ TEST(SiteRules, ARobotInAZoneLeavesIt) {
 }
 
 TEST(SiteRules, SpeedsAreLimitedOnLanesAndInZones) {
-  Simulation zone = TwoWays(
-      R"(, "zones": [{"name": "slow", "kind": "speed", "speed_limit": 0.2, "region": [2, -1, 6, 1]}])");
+  Simulation zone =
+      TwoWays(R"(, "zones": [{"name": "slow", "kind": "speed", "speed_limit": 0.2, "region": [2, -1, 6, 1]}])");
   for (int i = 0; i < 400; ++i) {
     zone.Step();
     const RobotState& robot = zone.state().robots[0];
@@ -300,7 +301,8 @@ TEST(SiteRules, AreToldAsEvents) {
   for (int i = 0; i < 50; ++i) {
     run.Step();
     for (const Event& event : run.events()) {
-      if (event.type == EventType::kLaneSwitched || event.type == EventType::kZoneSwitched) told.push_back(event.detail);
+      if (event.type == EventType::kLaneSwitched || event.type == EventType::kZoneSwitched)
+        told.push_back(event.detail);
     }
   }
   EXPECT_THAT(told, testing::ElementsAre("a - b: closed", "wet off", "a - b: 0.5 m/s", "a - b: open"));
@@ -318,7 +320,8 @@ TEST(SiteRules, FaultsOfScenariosAreNamed) {
     const char* keys;
     const char* text;
   } cases[] = {
-      {R"("zones": [{"name": "z", "kind": "wet", "region": [0, 0, 1, 1]}])", "s.json:2:33: error: found the string 'wet'"},
+      {R"("zones": [{"name": "z", "kind": "wet", "region": [0, 0, 1, 1]}])",
+       "s.json:2:33: error: found the string 'wet'"},
       {R"("zones": [{"name": "z", "kind": "speed", "region": [0, 0, 1, 1]}])", "without 'speed_limit'"},
       {R"("zones": [{"name": "z", "kind": "keepout", "region": [0, 0, 1, 1], "speed_limit": 1}])",
        "found a 'speed_limit' of a keepout zone"},
@@ -421,11 +424,11 @@ levels:
       - [4, 3, {bidirectional: true}]
 )");
   const auto load = [&](const std::string& flow) {
-    return ValueOf(Simulation::Load(folder.Write(
-        "s.json", R"({"world": "s.building.yaml", "seed": 3, "robots": [)" +
-                      OnLanes("r1", R"({"goods": true, "planned": true})") + ", " +
-                      OnLanes("r2", R"({"goods": true, "planned": true})") +
-                      R"(], "flows": [{"from": "store", "to": "line", )" + flow + "}]}")));
+    return ValueOf(Simulation::Load(
+        folder.Write("s.json", R"({"world": "s.building.yaml", "seed": 3, "robots": [)" +
+                                   OnLanes("r1", R"({"goods": true, "planned": true})") + ", " +
+                                   OnLanes("r2", R"({"goods": true, "planned": true})") +
+                                   R"(], "flows": [{"from": "store", "to": "line", )" + flow + "}]}")));
   };
   Simulation one = load(R"("per_hour": 0, "stock": 1, "due": 5)");
   std::vector<std::string> told;
@@ -481,6 +484,46 @@ TEST(Cleaning, CountsTheCellsOnWhichARobotWas) {
     }
   }
   EXPECT_EQ(bits, run.state().zones[0].covered);
+}
+
+// The workshop of the worlds, for an hour: three robots bring goods, share a charger, and heed a floor that is wet for
+// a while.
+TEST(Workshop, RunsForAnHourWithoutAWord) {
+  const std::string file = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/sites/workshop.json";
+  Simulation run = ValueOf(Simulation::Load(file));
+  const ZoneDescription wet = run.world().zones[*FindZone(run.world(), "wet floor")];
+  std::vector<int> standing(run.world().robots.size(), 0);
+  std::set<std::size_t> charged;
+  for (int i = 0; i < 36000; ++i) {
+    run.Step();
+    for (const Event& event : run.events()) EXPECT_NE(event.type, EventType::kOutOfEnergy) << run.tick();
+    for (std::size_t r = 0; r < standing.size(); ++r) {
+      const RobotState& robot = run.state().robots[r];
+      const bool has_work = std::any_of(run.state().jobs.begin(), run.state().jobs.end(),
+                                        [&](const Job& job) { return job.robot == RobotId(r); });
+      standing[r] = has_work && robot.twist.IsZero() ? standing[r] + 1 : 0;
+      ASSERT_LT(standing[r], 3600) << run.tick() << ": " << run.world().robots[r].name;
+      // One that is on its way there when the floor becomes wet drives on.
+      if (run.tick() > 6200 && run.tick() <= 9000) {
+        EXPECT_FALSE(IsInZone(run.world(), wet, robot.X_WR.translation(), 0.0)) << run.tick();
+      }
+    }
+    for (const ChargingRobot& row : run.state().charging_robots) {
+      if (row.at_charger) charged.insert(row.robot.index());
+    }
+  }
+  EXPECT_EQ(charged.size(), 3U);
+  for (std::size_t i = 0; i < run.state().flows.size(); ++i) {
+    const FlowState& flow = run.state().flows[i];
+    EXPECT_GT(flow.delivered, 3U) << run.world().flows[i].name;
+    EXPECT_LE(flow.arrived - flow.delivered, 6U) << run.world().flows[i].name;
+    EXPECT_EQ(flow.refused, 0U);
+  }
+  const std::size_t hall = *FindZone(run.world(), "hall");
+  const double share =
+      static_cast<double>(run.state().zones[hall].covered) / static_cast<double>(CountCells(run.world().zones[hall]));
+  EXPECT_GT(share, 0.08);
+  EXPECT_LT(share, 0.5);
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ bool IsModelName(const std::string& source) {
 template <typename Row, typename Part>
 constexpr bool kIsRequired = std::is_same_v<Part, Pose> || std::is_same_v<Part, Twist> ||
                              std::is_same_v<Part, double> || std::is_same_v<Part, std::uint64_t> ||
-                             (std::is_same_v<Part, bool> && (std::is_same_v<Row, control::Light> || std::is_same_v<Row, control::Zone>));
+                             (std::is_same_v<Part, bool> &&
+                              (std::is_same_v<Row, control::Light> || std::is_same_v<Row, control::Zone>));
 
 // The members of a request follow from its list of fields.
 template <typename Row>

@@ -8,12 +8,12 @@
 namespace troupe {
 namespace {
 
-constexpr double kAisle = 0.2;         // m, beside the middle of the doorway, on the way in and out
-constexpr double kCallDistance = 2.0;  // m from a lift's entrance
-constexpr double kPatience = 300.0;    // s: then a person gives up its goal
-constexpr double kSidestep = 0.6;      // of the speed, out of the way of leaving passengers
-constexpr double kAtPlace = 0.05;      // m
-constexpr double kSlowNearPlace = 0.3;      // m, before a place
+constexpr double kAisle = 0.2;          // m, beside the middle of the doorway, on the way in and out
+constexpr double kCallDistance = 2.0;   // m from a lift's entrance
+constexpr double kPatience = 300.0;     // s: then a person gives up its goal
+constexpr double kSidestep = 0.6;       // of the speed, out of the way of leaving passengers
+constexpr double kAtPlace = 0.05;       // m
+constexpr double kSlowNearPlace = 0.3;  // m, before a place
 
 // The velocity of a person straight to a point in the frame of a doorway.
 // Slower near the point, so that a step does not overshoot it: the person would swing about its place.

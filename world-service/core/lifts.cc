@@ -245,7 +245,8 @@ class CabinMotion {
   std::vector<BodyId> carried_;  // ascending
 };
 
-// Opens the doors of the floor at which the lift stands, and closes all others. A lift with too much in its cabin stays.
+// Opens the doors of the floor at which the lift stands, and closes all others. A lift with too much in its cabin
+// stays.
 void OperateDoors(const LiftDescription& lift, const LiftState& state, std::vector<DoorState>& doors) {
   const auto is_at = [&](const LiftFloor& floor) { return floor.z == state.z; };
   const bool is_at_floor = is_at(lift.floors[state.floor]);

@@ -60,7 +60,8 @@ class ZoneCover {
 
   void Add(const ConvexPiece& piece) {
     const Rectangle box = BoundingBox(piece.vertices);
-    const auto [first_column, end_column] = Range(box.min_x - grid_.corner.x(), box.max_x - grid_.corner.x(), grid_.columns);
+    const auto [first_column, end_column] =
+        Range(box.min_x - grid_.corner.x(), box.max_x - grid_.corner.x(), grid_.columns);
     const auto [first_row, end_row] = Range(box.min_y - grid_.corner.y(), box.max_y - grid_.corner.y(), grid_.rows);
     for (std::size_t row = first_row; row < end_row; ++row) {
       for (std::size_t column = first_column; column < end_column; ++column) AddCell(piece, column, row);

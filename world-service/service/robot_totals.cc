@@ -91,7 +91,8 @@ std::vector<FlowTotal> RobotTotals::CollectFlows() const {
     total.delivered = counts.delivered;
     total.late = counts.late;
     if (counts.late > 0) {
-      total.lateness = static_cast<double>(counts.lateness) * world.interval_seconds() / static_cast<double>(counts.late);
+      total.lateness =
+          static_cast<double>(counts.lateness) * world.interval_seconds() / static_cast<double>(counts.late);
     }
     if (hours > 0.0) total.per_hour = static_cast<double>(counts.delivered) / hours;
     total.waiting = waiting_[i];
@@ -106,7 +107,8 @@ std::vector<CleaningTotal> RobotTotals::CollectCleaning() const {
   for (std::size_t i = 0; i < std::min(zones_.size(), world.zones.size()); ++i) {
     if (world.zones[i].kind != ZoneKind::kCleaning) continue;
     const std::size_t cells = CountCells(world.zones[i]);
-    totals.push_back({world.zones[i].name, cells > 0 ? static_cast<double>(zones_[i].covered) / static_cast<double>(cells) : 0.0});
+    totals.push_back(
+        {world.zones[i].name, cells > 0 ? static_cast<double>(zones_[i].covered) / static_cast<double>(cells) : 0.0});
   }
   return totals;
 }

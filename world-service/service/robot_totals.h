@@ -1,5 +1,5 @@
-// RobotTotals: distance, contacts and goals of each robot in a run, the goods of its flows and the cover of its cleaning
-// zones, for the summary: an observer that adds them up.
+// RobotTotals: distance, contacts and goals of each robot in a run, the goods of its flows and the cover of its
+// cleaning zones, for the summary: an observer that adds them up.
 //
 // Counts begin at the newest fresh start, and at the start of a service that continues a run: totals are not
 // journalled, because they matter to readers of the summary only and would grow every record. Edits move robots without
@@ -48,17 +48,17 @@ struct FlowTotal {
   std::uint64_t arrived = 0;
   std::uint64_t refused = 0;
   std::uint64_t delivered = 0;
-  std::uint64_t late = 0;      // of the delivered ones
-  double lateness = 0.0;       // s, the mean of these
-  double per_hour = 0.0;       // delivered in an hour of simulated time
-  std::uint64_t waiting = 0;   // for a robot, at the end
+  std::uint64_t late = 0;     // of the delivered ones
+  double lateness = 0.0;      // s, the mean of these
+  double per_hour = 0.0;      // delivered in an hour of simulated time
+  std::uint64_t waiting = 0;  // for a robot, at the end
   bool operator==(const FlowTotal&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"flow", &FlowTotal::flow},           Field{"arrived", &FlowTotal::arrived},
-        Field{"refused", &FlowTotal::refused},     Field{"delivered", &FlowTotal::delivered},
-        Field{"late", &FlowTotal::late},           Field{"lateness", &FlowTotal::lateness},
-        Field{"per_hour", &FlowTotal::per_hour},   Field{"waiting", &FlowTotal::waiting},
+        Field{"flow", &FlowTotal::flow},         Field{"arrived", &FlowTotal::arrived},
+        Field{"refused", &FlowTotal::refused},   Field{"delivered", &FlowTotal::delivered},
+        Field{"late", &FlowTotal::late},         Field{"lateness", &FlowTotal::lateness},
+        Field{"per_hour", &FlowTotal::per_hour}, Field{"waiting", &FlowTotal::waiting},
     };
   }
 };
@@ -107,7 +107,7 @@ class RobotTotals : public RunObserver {
 
   std::shared_ptr<const Scene> scene_;
   std::optional<Tick> since_;
-  std::vector<Counts> robots_;      // by RobotId
+  std::vector<Counts> robots_;  // by RobotId
   // At the newest tick.
   Tick tick_ = 0;
   std::vector<StoreState> stores_;

@@ -35,7 +35,8 @@ Result<ZoneDescription> ReadZone(const JsonTree& tree, const JsonNode& object) {
   const Rectangle box = BoundingBox(zone.outline);
   const double cells = (box.max_x - box.min_x) * (box.max_y - box.min_y) / (kCoverageCell * kCoverageCell);
   if (zone.kind == ZoneKind::kCleaning && cells > static_cast<double>(kMaxCoverageCells)) {
-    return tree.ErrorAt(object.Member("region"), "found a cleaning zone of more than 10000 m^2, expected a smaller one");
+    return tree.ErrorAt(object.Member("region"),
+                        "found a cleaning zone of more than 10000 m^2, expected a smaller one");
   }
   return zone;
 }
@@ -182,8 +183,8 @@ std::vector<std::string> NamesOfModels(const WorldDescription& world, const Part
 }
 
 Error NoThing(const EventEntry& event, const std::string& kind, const std::vector<std::string>& names) {
-  return {event.where, "found no " + kind + " " + Quoted(event.name) + ", expected the name of one" +
-                           DidYouMean(event.name, names)};
+  return {event.where,
+          "found no " + kind + " " + Quoted(event.name) + ", expected the name of one" + DidYouMean(event.name, names)};
 }
 
 Status AddEvent(const EventEntry& event, WorldDescription& world) {
@@ -195,14 +196,16 @@ Status AddEvent(const EventEntry& event, WorldDescription& world) {
   if (action.kind == TimedKind::kDoor) {
     if (!set(FindDoor(world, event.name))) return NoThing(event, "door", NamesOfModels(world, world.doors));
     if (!world.doors[action.number].is_operated) {
-      return Error{event.where, "found the door " + Quoted(event.name) + ", which is not operated, expected another one"};
+      return Error{event.where,
+                   "found the door " + Quoted(event.name) + ", which is not operated, expected another one"};
     }
   } else if (action.kind == TimedKind::kLift) {
     if (!set(FindLift(world, event.name))) return NoThing(event, "lift", NamesOfModels(world, world.lifts));
     const std::vector<LiftFloor>& floors = world.lifts[action.number].floors;
     const auto floor = std::find_if(floors.begin(), floors.end(), [&](const auto& f) { return f.name == event.other; });
     if (floor == floors.end()) {
-      return Error{event.other_where, "found no floor " + Quoted(event.other) + " of the lift, expected one of its floors"};
+      return Error{event.other_where,
+                   "found no floor " + Quoted(event.other) + " of the lift, expected one of its floors"};
     }
     action.value = static_cast<double>(floor - floors.begin());
   } else if (action.kind == TimedKind::kLane) {

@@ -18,7 +18,7 @@ namespace troupe {
 namespace {
 
 constexpr double kLeastSeconds = 1e-3;  // of a door from closed to open
-constexpr double kLeafGap = 0.01;  // m, between the widths of a leaf and of its part of the doorway
+constexpr double kLeafGap = 0.01;       // m, between the widths of a leaf and of its part of the doorway
 
 // A leaf in frame D of the doorway: at its middle on the floor, x along it to the right, y to the back.
 struct LeafPlan {

@@ -310,7 +310,8 @@ ProposalMessage RandomMessages::Proposal() {
     for (std::size_t i = Below(2); i > 0; --i) {
       orders.push_back(TrafficOrder{static_cast<std::uint32_t>(Below(50)), {}, Coin(), 3, Number(), Coin()});
     }
-    for (std::size_t i = Below(2); i > 0; --i) orders.push_back(ChargeOrder{static_cast<std::uint32_t>(Below(50)), Coin()});
+    for (std::size_t i = Below(2); i > 0; --i)
+      orders.push_back(ChargeOrder{static_cast<std::uint32_t>(Below(50)), Coin()});
     for (std::size_t i = Below(2); i > 0; --i) orders.push_back(JobOrder{Coin(), Coin(), Coin()});
     if (Coin()) message.proposals.back().say = Text();
     robot += 1 + Below(10);
