@@ -1,5 +1,6 @@
 #include "common/model/states.h"
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -7,6 +8,8 @@
 
 #include "common/model/field_check.h"
 #include "common/model/field_hasher.h"
+#include "common/model/lane_rules.h"
+#include "common/model/zones.h"
 #include "troupe/check.h"
 #include "troupe/radio_limits.h"
 
@@ -27,6 +30,9 @@ std::optional<std::size_t> CountRows(const WorldDescription& world, const Device
   if constexpr (std::is_same_v<Row, DoorState>) return world.doors.size();
   if constexpr (std::is_same_v<Row, LiftState>) return world.lifts.size();
   if constexpr (std::is_same_v<Row, PersonState>) return world.people.size();
+  if constexpr (std::is_same_v<Row, ZoneState>) return world.zones.size();
+  if constexpr (std::is_same_v<Row, CoverageState>) return CountCoverage(world);
+  if constexpr (std::is_same_v<Row, FlowState>) return world.flows.size();
   return std::nullopt;
 }
 
@@ -38,6 +44,30 @@ std::vector<ObjectState> WithoutSupports(std::vector<ObjectState> objects) {
     object.support.reset();
   }
   return objects;
+}
+
+// The rows of what an operator and robots change in a site.
+Status CheckSiteRows(const WorldDescription& world, const WorldState& state) {
+  const std::size_t lanes = CountLanes(world);
+  std::size_t vertices = 0;
+  for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
+  for (std::size_t i = 0; i < state.lane_rules.size(); ++i) {
+    if (state.lane_rules[i].lane >= lanes) return BadInput("found a rule of a lane that does not exist");
+    if (i > 0 && state.lane_rules[i - 1].lane >= state.lane_rules[i].lane) {
+      return BadInput("found rules of lanes that do not ascend");
+    }
+  }
+  for (std::size_t i = 0; i < state.charging_robots.size(); ++i) {
+    const ChargingRobot& robot = state.charging_robots[i];
+    if (robot.vertex && *robot.vertex >= vertices) return BadInput("found a charger that does not exist");
+    if (i > 0 && !(state.charging_robots[i - 1].robot < robot.robot)) {
+      return BadInput("found robots at chargers that do not ascend");
+    }
+  }
+  for (const Job& job : state.jobs) {
+    if (job.flow >= world.flows.size()) return BadInput("found goods of a flow that does not exist");
+  }
+  return {};
 }
 
 }  // namespace
@@ -95,6 +125,7 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
       return BadInput("found robots of the traffic that do not ascend");
     }
   }
+  if (Status unfit = CheckSiteRows(world, state); !unfit.ok()) return unfit;
   for (const RadioTransmission& transmission : state.transmissions) {
     if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
       return BadInput("found a radio message of a sensor that is no radio");
@@ -163,7 +194,21 @@ WorldState PlacedState(const WorldDescription& world) {
   for (const PersonDescription& person : world.people) {
     state.people.push_back({.X_WP = world.model(person.root).X_PM, .goals = person.goals});
   }
+  for (const ZoneDescription& zone : world.zones) state.zones.push_back({.is_on = zone.is_on});
+  state.coverage.resize(CountCoverage(world));
+  for (std::size_t i = 0; i < world.flows.size(); ++i) {
+    const GoodsFlow& flow = world.flows[i];
+    const Tick due = TicksIn(world, flow.due);
+    state.flows.push_back({.arrived = flow.stock});
+    for (std::uint32_t number = 0; number < flow.stock; ++number) {
+      state.jobs.push_back({.flow = static_cast<std::uint32_t>(i), .number = number, .since = 0, .due = due});
+    }
+  }
   return state;
+}
+
+Tick TicksIn(const WorldDescription& world, double seconds) {
+  return static_cast<Tick>(std::llround(seconds * 1e9 / static_cast<double>(world.interval_ns)));
 }
 
 std::size_t MemoryOf(const WorldState& state) {

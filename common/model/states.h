@@ -39,6 +39,9 @@ bool HaveSameRows(const WorldState& a, const WorldState& b);
 // hashes are the same at every tick.
 std::uint64_t StateHash(const WorldState& state);
 
+// The ticks of a time, to the nearest. REQUIRES: seconds >= 0
+Tick TicksIn(const WorldDescription& world, double seconds);
+
 // The model that holds or supports an object; nothing on the ground.
 std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object);
 

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <string>
 
+#include "common/model/lane_rules.h"
+#include "common/model/zones.h"
+#include "troupe/polygon.h"
+
 namespace troupe {
 namespace {
 
@@ -40,6 +44,34 @@ Status CheckGraph(const WorldDescription& world, const LaneGraph& graph) {
   return Status();
 }
 
+std::string CheckZone(const ZoneDescription& zone) {
+  const Result<Polygon> outline = Normalized(zone.outline);
+  if (!outline.ok() || outline.value() != zone.outline) return "its outline is no normalized polygon";
+  if (zone.kind == ZoneKind::kSpeed && !(zone.speed_limit > 0.0)) return "it has no speed limit";
+  if (zone.kind != ZoneKind::kCleaning) return {};
+  const Rectangle box = BoundingBox(zone.outline);
+  const double cells = (box.max_x - box.min_x) * (box.max_y - box.min_y) / (kCoverageCell * kCoverageCell);
+  return cells <= static_cast<double>(kMaxCoverageCells) ? "" : "it is too large";
+}
+
+std::string CheckAction(const WorldDescription& world, const TimedAction& action) {
+  switch (action.kind) {
+    case TimedKind::kDoor:
+      if (action.number >= world.doors.size()) return "its door does not exist";
+      return action.value >= 0.0 && action.value <= 1.0 ? "" : "its opening is not from 0 to 1";
+    case TimedKind::kLift:
+      if (action.number >= world.lifts.size()) return "its lift does not exist";
+      return action.value >= 0.0 && action.value < static_cast<double>(world.lifts[action.number].floors.size())
+                 ? ""
+                 : "its floor does not exist";
+    case TimedKind::kLane:
+      return action.number < CountLanes(world) ? "" : "its lane does not exist";
+    case TimedKind::kZone:
+      return action.number < world.zones.size() ? "" : "its zone does not exist";
+  }
+  return "its kind is unknown";
+}
+
 }  // namespace
 
 Status ValidateSite(const WorldDescription& world) {
@@ -53,6 +85,20 @@ Status ValidateSite(const WorldDescription& world) {
       return Error{{}, "lanes " + std::to_string(graph.number) + ": they are not in the order of their numbers"};
     }
     if (Status problem = CheckGraph(world, graph); !problem.ok()) return problem;
+  }
+  for (std::size_t i = 0; i < world.zones.size(); ++i) {
+    const std::string problem = CheckZone(world.zones[i]);
+    if (!problem.empty()) return Error{{}, "zone " + std::to_string(i) + ": " + problem};
+  }
+  for (std::size_t i = 0; i < world.flows.size(); ++i) {
+    if (world.flows[i].from == world.flows[i].to) return Error{{}, "flow " + std::to_string(i) + ": it goes nowhere"};
+  }
+  double last = 0.0;
+  for (std::size_t i = 0; i < world.timed_actions.size(); ++i) {
+    const TimedAction& action = world.timed_actions[i];
+    const std::string problem = action.at < last ? "it is before the last one" : CheckAction(world, action);
+    if (!problem.empty()) return Error{{}, "timed action " + std::to_string(i) + ": " + problem};
+    last = action.at;
   }
   return Status();
 }

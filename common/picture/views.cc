@@ -320,6 +320,7 @@ void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawin
   std::vector<Rectangle> boxes;
   for (const RobotExtent& extent : drawing.extents) boxes.push_back(BoxOnPage(viewport, extent));
   DrawLayers(canvas, viewport, drawing);
+  DrawZones(canvas, viewport, drawing);
   DrawMarks(canvas, viewport, drawing, PictureView::kTop, MarkShape::kLine);
   DrawMarks(canvas, viewport, drawing, PictureView::kTop, MarkShape::kDot);
 

@@ -32,6 +32,9 @@ void DrawSideView(Canvas& canvas, const Viewport& viewport, const Drawing& drawi
 // The marks of one shape, in the view's plane.
 void DrawMarks(Canvas& canvas, const Viewport& viewport, const Drawing& drawing, PictureView view, MarkShape shape);
 
+// The zones of the world on the levels of the solids, from above.
+void DrawZones(Canvas& canvas, const Viewport& viewport, const Drawing& drawing);
+
 // The colour of an object or a part of a robot, shaded by its height; opaque.
 Color SolidColor(const Drawing& drawing, const Solid& solid);
 

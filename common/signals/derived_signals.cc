@@ -207,10 +207,71 @@ void AddOfPeople(StateTable& table) {
            [](const WorldDescription& world, std::size_t lift) { return world.lifts[lift].model; });
 }
 
+void AddOfZones(StateTable& table) {
+  table.AddNumber("share", "",
+                  "of the cells of a cleaning zone on which robots were, from 0 to 1; none of another zone",
+                  [](const SignalView& view, std::size_t row) {
+                    const std::size_t cells = view.things.cells_of(row);
+                    if (cells == 0) return kNoNumber;
+                    return static_cast<double>(view.state.zones[row].covered) / static_cast<double>(cells);
+                  });
+}
+
+void AddOfFlows(StateTable& table) {
+  table.AddNumber("waiting", "", "goods that no robot has loaded yet", [](const SignalView& view, std::size_t row) {
+    return static_cast<double>(std::count_if(view.state.jobs.begin(), view.state.jobs.end(),
+                                             [&](const Job& job) { return job.flow == row && !job.is_loaded; }));
+  });
+  table.AddNumber("per_hour", "", "goods delivered so far in an hour of simulated time",
+                  [](const SignalView& view, std::size_t row) {
+                    const double seconds = static_cast<double>(view.state.tick) * view.world.interval_seconds();
+                    return seconds > 0.0 ? 3600.0 * view.state.flows[row].delivered / seconds : 0.0;
+                  });
+  table.AddNumber("mean_lateness", "s", "of the late ones of the delivered goods, 0 without any",
+                  [](const SignalView& view, std::size_t row) {
+                    const FlowState& flow = view.state.flows[row];
+                    if (flow.late == 0) return 0.0;
+                    return static_cast<double>(flow.lateness) * view.world.interval_seconds() / flow.late;
+                  });
+}
+
+// The flow of the goods that a robot is to bring, and whether it has them.
+void AddOfGoods(StateTable& table) {
+  const auto job_of = [](const SignalView& view, std::size_t robot) -> const Job* {
+    for (const Job& job : view.state.jobs) {
+      if (job.robot == RobotId(robot)) return &job;
+    }
+    return nullptr;
+  };
+  Signal goods{"goods", "", "the flow of the goods that it is to bring", ValueType::kText, {}};
+  goods.number = [job_of](const SignalView& view, std::size_t row) {
+    const Job* const job = job_of(view, row);
+    return job != nullptr ? static_cast<double>(job->flow) : kNoNumber;
+  };
+  goods.text = [job_of](const SignalView& view, std::size_t row) {
+    const Job* const job = job_of(view, row);
+    return job != nullptr ? view.world.flows[job->flow].name : std::string();
+  };
+  table.Add(std::move(goods));
+  table.AddTruth("loaded", "it has goods of a flow", [job_of](const SignalView& view, std::size_t row) {
+    const Job* const job = job_of(view, row);
+    return job != nullptr && job->is_loaded;
+  });
+  table.AddTruth("wants_charge", "it goes to a charger on its lanes, is at one, or waits for one",
+                 [](const SignalView& view, std::size_t row) {
+                   const std::vector<ChargingRobot>& rows = view.state.charging_robots;
+                   return std::any_of(rows.begin(), rows.end(),
+                                      [&](const ChargingRobot& robot) { return robot.robot == RobotId(row); });
+                 });
+}
+
 }  // namespace
 
 void AddDerivedSignals(StateTable& table) {
   if (table.name == "robots") AddOfRobots(table);
+  if (table.name == "robots") AddOfGoods(table);
+  if (table.name == "zones") AddOfZones(table);
+  if (table.name == "flows") AddOfFlows(table);
   if (table.name == "objects") AddOfObjects(table);
   if (table.name == "stores") AddOfStores(table);
   if (table.name == "doors") AddOfDoors(table);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "common/model/lane_rules.h"
 #include "common/model/states.h"
 #include "common/signals/state_tables.h"
 
@@ -83,6 +84,10 @@ StateTable MakeLanes() {
                    return std::all_of(doors.begin(), doors.end(),
                                       [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; });
                  });
+  table.AddTruth("barred", "an operator has closed it, or a keepout zone that is on is on it",
+                 [](const SignalView& view, std::size_t row) {
+                   return IsLaneClosed(view.world, view.state, static_cast<std::uint32_t>(row));
+                 });
   return table;
 }
 
@@ -120,12 +125,6 @@ StateTable MakeSensors() {
     return view.state.tick % SensorOf(view, row).period_ticks == 0;
   });
   return table;
-}
-
-// "dock", or "vertex 3" of one without a name.
-std::string NameOfVertex(const LaneGraph& graph, std::uint32_t vertex) {
-  const std::string& name = graph.vertices[vertex].name;
-  return name.empty() ? "vertex " + std::to_string(vertex) : name;
 }
 
 }  // namespace

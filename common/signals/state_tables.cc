@@ -66,7 +66,8 @@ struct Cell<std::vector<std::uint8_t>> {
 };
 
 std::string SingularOf(std::string_view table) {
-  return table == "people" ? "person" : std::string(table.substr(0, table.size() - 1));
+  if (table == "people") return "person";
+  return std::string(table.ends_with('s') ? table.substr(0, table.size() - 1) : table);
 }
 
 template <typename Row>
@@ -172,6 +173,17 @@ Names NamesOf(const WorldDescription& world, const std::vector<LiftState>&) {
 }
 Names NamesOf(const WorldDescription& world, const std::vector<PersonState>&) {
   return NamesOfModels(world, world.people);
+}
+
+Names NamesOf(const WorldDescription& world, const std::vector<ZoneState>&) {
+  Names names;
+  for (const ZoneDescription& zone : world.zones) names.push_back({zone.name});
+  return names;
+}
+Names NamesOf(const WorldDescription& world, const std::vector<FlowState>&) {
+  Names names;
+  for (const GoodsFlow& flow : world.flows) names.push_back({flow.name});
+  return names;
 }
 
 bool HasValue(const Signal& signal, const SignalView& view, std::size_t row) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/model/zones.h"
 #include "common/signals/state_tables.h"
 
 namespace troupe {
@@ -23,6 +24,7 @@ Things::Things(const WorldDescription& world)
     }
   }
   FindStoresOfRobots(world);
+  for (const ZoneDescription& zone : world.zones) cells_.push_back(CountCells(zone));
 }
 
 void Things::FindStoresOfRobots(const WorldDescription& world) {

@@ -41,8 +41,8 @@ class Things {
   std::size_t row_of(ThingId thing) const { return thing - first(kind_of(thing)); }
 
   // The name of the model of a robot, object, person, door, lift, light or store; "ROBOT.PART" of a joint, gripper,
-  // camera, inertial measurement unit or other sensor; the own name of a level; "GRAPH: START - END" of a lane; "KIND
-  // NUMBER" of any other thing.
+  // camera, inertial measurement unit or other sensor; the own name of a level, zone or flow; "GRAPH: START - END" of a
+  // lane; "KIND NUMBER" of any other thing.
   const std::string& name(ThingId thing) const { return names_[thing]; }
   const std::vector<std::string>& names() const { return names_; }
   // The model that the thing is or is mounted on; nothing if it has none.
@@ -55,6 +55,8 @@ class Things {
 
   // The stores of energy of a robot that can become empty: rows of WorldState::stores.
   const std::vector<std::size_t>& stores_of(RobotId robot) const { return stores_[robot.index()]; }
+  // The cells of a zone that is to be cleaned; 0 of another one.
+  std::size_t cells_of(std::size_t zone) const { return cells_[zone]; }
   // Of the rows of the tables of sensors and lanes.
   const std::vector<SensorPlace>& sensors() const { return sensors_; }
   const std::vector<LaneRow>& lanes() const { return lanes_; }
@@ -73,6 +75,7 @@ class Things {
   std::vector<std::optional<RobotId>> robots_;
   std::vector<bool> exists_;
   std::vector<std::vector<std::size_t>> stores_;  // by RobotId
+  std::vector<std::size_t> cells_;                // by zone
   std::vector<SensorPlace> sensors_;
   std::vector<LaneRow> lanes_;
 };

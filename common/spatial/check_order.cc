@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/model/device_limits.h"
+#include "common/model/lane_rules.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/interval.h"
 
@@ -75,6 +76,32 @@ class OrderCheck {
     return BadInput("found traffic at vertex " + std::to_string(order.at) +
                     ", expected vertices of one graph of lanes");
   }
+  Status operator()(const ChargeOrder& order) const {
+    if (!robot_) return NeedsRobot("a charger");
+    std::size_t vertices = 0;
+    for (const LaneGraph& graph : world_.lane_graphs) vertices += graph.vertices.size();
+    if (!order.vertex || *order.vertex < vertices) return {};
+    return BadInput("found a charger at vertex " + std::to_string(*order.vertex) + ", expected one of " +
+                    std::to_string(vertices) + " vertices of lanes");
+  }
+  Status operator()(const JobOrder&) const {
+    if (!robot_) return NeedsRobot("goods");
+    return {};
+  }
+  Status operator()(const LaneOrder& order) const {
+    const std::size_t lanes = CountLanes(world_);
+    if (order.lane >= lanes) {
+      return BadInput("found lane " + std::to_string(order.lane) + ", expected one of the world's " +
+                      std::to_string(lanes));
+    }
+    if (std::isfinite(order.speed_limit)) return {};
+    return BadInput("found a lane without a number as its speed limit");
+  }
+  Status operator()(const ZoneOrder& order) const {
+    if (order.zone < world_.zones.size()) return {};
+    return BadInput("found zone " + std::to_string(order.zone) + ", expected one of the world's " +
+                    std::to_string(world_.zones.size()));
+  }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");
     // A twist that a tool sets is a jump: only the bounds of the velocity count, not the bounds of the acceleration.
@@ -125,12 +152,18 @@ Order WithinLimits(const WorldDescription& world, RobotId robot, Order order) {
 
 Status CheckOrder(const Scene& scene, RobotId robot, const Order& order) {
   if (std::holds_alternative<TwistOrder>(order)) return BadInput("found a twist, expected an order that a robot gives");
+  if (std::holds_alternative<LaneOrder>(order) || std::holds_alternative<ZoneOrder>(order)) {
+    return BadInput("found a rule of a lane or a zone, expected an order that a robot gives");
+  }
   return std::visit(OrderCheck(scene, robot), order);
 }
 
 Status CheckInput(const Scene& scene, const Input& input) {
   const WorldDescription& world = scene.world();
   if (std::holds_alternative<TrafficOrder>(input.order)) return BadInput("found traffic, expected an order of a tool");
+  if (std::holds_alternative<ChargeOrder>(input.order) || std::holds_alternative<JobOrder>(input.order)) {
+    return BadInput("found a demand of a robot, expected an order of a tool");
+  }
   if (input.robot && !HasRobot(world, *input.robot)) {
     return BadInput("found an order for a robot that the world does not have");
   }

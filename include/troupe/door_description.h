@@ -39,6 +39,10 @@ struct DoorDescription {
   std::vector<DoorLeaf> leaves;
   double seconds = 3.0;
   double detection_radius = 0.0;
+  double sensor_width = 0.0;
+  double sensor_depth = 0.0;
+  double hold = 0.0;
+  bool reopens = false;
   double opening = 0.0;
   bool is_operated = true;
   bool operator==(const DoorDescription&) const = default;
@@ -50,6 +54,17 @@ struct DoorDescription {
         Field{"reach", &DoorDescription::detection_radius, "it opens for robots nearer to its model; 0: for none"}
             .In("m")
             .AtLeast(0),
+        Field{"sensor_width", &DoorDescription::sensor_width,
+              "of the region along the doorway that opens it for robots and people; 0: that of the doorway"}
+            .In("m")
+            .AtLeast(0),
+        Field{"sensor_depth", &DoorDescription::sensor_depth,
+              "of that region across the doorway, from its middle to both sides; 0: it has no such sensor"}
+            .In("m")
+            .AtLeast(0),
+        Field{"hold", &DoorDescription::hold, "that it stays open once nothing holds it open any more"}.In("s").Within(
+            0, 3600),
+        Field{"reopens", &DoorDescription::reopens, "a body that stops it while it closes opens it again, all the way"},
         Field{"opening", &DoorDescription::opening, "at load: 0 is closed, 1 open"}.Within(0, 1),
         Field{"operated", &DoorDescription::is_operated, "if not, requests have no effect"},
     };
@@ -79,6 +94,8 @@ struct LiftDescription {
   std::vector<LiftFloor> floors;
   std::uint32_t floor = 0;
   double speed = 1.0;
+  std::int32_t capacity = 0;
+  double max_load = 0.0;
   bool operator==(const LiftDescription&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -88,6 +105,10 @@ struct LiftDescription {
         Field{"floors", &LiftDescription::floors},
         Field{"floor", &LiftDescription::floor, "at load"},
         Field{"speed", &LiftDescription::speed, "of the cabin"}.In("m/s").AtLeast(1e-3),
+        Field{"capacity", &LiftDescription::capacity,
+              "robots and people in the cabin, with more of which it does not leave a floor; 0: any number"}
+            .Within(0, 10000),
+        Field{"max_load", &LiftDescription::max_load, "likewise, their mass; 0: any"}.In("kg").AtLeast(0),
     };
   }
 };

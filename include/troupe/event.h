@@ -36,17 +36,26 @@ enum class EventType : std::uint8_t {
   kPersonBoarded = 19,   // the person is in the cabin of the lift `other`; `detail` is the lift's floor
   kPersonAlighted = 20,  // the person has left that cabin
   kPersonArrived = 21,   // the person has reached a goal of the set `detail`
+  kLiftOverloaded = 22,  // more is in its cabin than it carries: it does not leave the floor `detail`
+  // Without an object.
+  kLaneSwitched = 23,  // `detail` is the lane, and closed, open or the limit of its speed
+  kZoneSwitched = 24,  // `detail` is the zone, and on or off
+  kGoodsArrived = 25,  // goods of the flow `detail` wait for a robot
+  kGoodsRefused = 26,  // there is no room for goods of the flow `detail`
+  kGoodsLoaded = 27,   // `robot` has goods of the flow `detail`
+  kDelivered = 28,     // `robot` has brought them to their end
 };
 // The events of doors, lifts and people: they are frequent, and summaries count them instead of telling each.
 constexpr bool IsOfBuilding(EventType type) {
   return type >= EventType::kDoorOpened;
 }
 constexpr auto NamesOf(EventType) {
-  return std::array{"stall_began",     "stall_ended",   "joined",       "left",         "proposal_rejected",
-                    "blocked",         "gripped",       "released",     "landed",       "unstable",
-                    "out_of_energy",   "said",          "reported",     "door_opened",  "door_closed",
-                    "door_blocked",    "lift_left",     "lift_arrived", "lift_blocked", "person_boarded",
-                    "person_alighted", "person_arrived"};
+  return std::array{"stall_began",     "stall_ended",    "joined",          "left",          "proposal_rejected",
+                    "blocked",         "gripped",        "released",        "landed",        "unstable",
+                    "out_of_energy",   "said",           "reported",        "door_opened",   "door_closed",
+                    "door_blocked",    "lift_left",      "lift_arrived",    "lift_blocked",  "person_boarded",
+                    "person_alighted", "person_arrived", "lift_overloaded", "lane_switched", "zone_switched",
+                    "goods_arrived",   "goods_refused",  "goods_loaded",    "delivered"};
 }
 
 struct Event {

@@ -101,6 +101,62 @@ struct TrafficOrder {
   }
 };
 
+// Of a robot that wants to charge (ChargingRobot), in each tick in which it does: the vertex that it wants for itself,
+// counted through all graphs. It gets that unless another robot has it, or wants it with less energy.
+struct ChargeOrder {
+  std::optional<std::uint32_t> vertex = {};  // nothing: it waits, and keeps what it has
+  bool at_charger = false;                   // the vertex is a charger, not a place where it waits for one
+  bool operator==(const ChargeOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"vertex", &ChargeOrder::vertex},
+        Field{"at_charger", &ChargeOrder::at_charger},
+    };
+  }
+};
+
+// Of a robot that brings goods (Job), in each tick in which it does.
+struct JobOrder {
+  bool is_free = false;   // it may get another job
+  bool loads = false;     // it has the goods of its job from now on
+  bool delivers = false;  // they are where they have to be
+  bool operator==(const JobOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"free", &JobOrder::is_free},
+        Field{"loads", &JobOrder::loads},
+        Field{"delivers", &JobOrder::delivers},
+    };
+  }
+};
+
+// Closes a lane for robots, limits their speed there, or lifts that (LaneRule), with all lanes on the same line. Of
+// tools only.
+struct LaneOrder {
+  std::size_t lane = 0;      // counted through all graphs
+  double speed_limit = 0.0;  // m/s; 0: closed; negative: as described
+  bool operator==(const LaneOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"lane", &LaneOrder::lane},
+        Field{"speed_limit", &LaneOrder::speed_limit}.In("m/s"),
+    };
+  }
+};
+
+// Switches a zone. Of tools only.
+struct ZoneOrder {
+  std::size_t zone = 0;  // in WorldDescription::zones
+  bool on = false;
+  bool operator==(const ZoneOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"zone", &ZoneOrder::zone},
+        Field{"on", &ZoneOrder::on},
+    };
+  }
+};
+
 // Sets the velocity of a robot at the end of the tick, from which its drive accelerates. Of tools only.
 struct TwistOrder {
   Twist twist = {};  // in R, within the limits of the drive
@@ -108,11 +164,12 @@ struct TwistOrder {
   static constexpr auto Fields() { return std::tuple{Field{"twist", &TwistOrder::twist}}; }
 };
 
-using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder, TrafficOrder>;
+using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder, TrafficOrder, ChargeOrder,
+                           JobOrder, LaneOrder, ZoneOrder>;
 
 // An order from outside of the simulation, for one tick.
 struct Input {
-  std::optional<RobotId> robot = {};  // whose device it concerns; nothing: a door or a lift of the building
+  std::optional<RobotId> robot = {};  // whose device it concerns; nothing: a part of the building
   Order order = {};
   bool operator==(const Input&) const = default;
 };

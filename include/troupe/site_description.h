@@ -1,5 +1,5 @@
-// The levels of a building, and the graphs of lanes on which robots drive there: parts of a WorldDescription. They
-// change no result of a step.
+// The levels of a building, the graphs of lanes on which robots drive there, zones, flows of goods and what happens at
+// given times: parts of a WorldDescription.
 #pragma once
 
 #include <cstddef>
@@ -37,6 +37,7 @@ struct LaneVertex {
   Vec2 position{0.0, 0.0};
   double z = 0.0;
   bool is_charger = false;
+  bool is_waiting_place = false;
   std::string dock;
   std::string mutex;
   std::optional<std::uint32_t> lift = {};
@@ -48,6 +49,7 @@ struct LaneVertex {
         Field{"position", &LaneVertex::position, "in W"}.In("m"),
         Field{"z", &LaneVertex::z, "of its floor"}.In("m"),
         Field{"charger", &LaneVertex::is_charger},
+        Field{"waiting_place", &LaneVertex::is_waiting_place, "a robot may wait there for a charger"},
         Field{"dock", &LaneVertex::dock, "its name; empty: none"},
         Field{"mutex", &LaneVertex::mutex, "a group of vertices and lanes for one robot at a time; empty: none"},
         Field{"lift", &LaneVertex::lift, "around the vertex, in WorldDescription::lifts"},
@@ -115,6 +117,94 @@ struct LaneGraph {
         Field{"number", &LaneGraph::number, "by which robots name it"},
         Field{"vertices", &LaneGraph::vertices},
         Field{"lanes", &LaneGraph::lanes},
+    };
+  }
+};
+
+enum class ZoneKind : std::uint8_t {
+  kKeepout = 0,   // robots on lanes do not drive into it
+  kSpeed = 1,     // they drive more slowly in it
+  kCleaning = 2,  // its cells count as covered once a robot has been on them
+};
+constexpr auto NamesOf(ZoneKind) {
+  return std::array{"keepout", "speed", "cleaning"};
+}
+
+// An area of a level that robots on lanes heed while it is on.
+struct ZoneDescription {
+  std::string name;
+  ZoneKind kind = ZoneKind::kKeepout;
+  std::vector<Vec2> outline;
+  double z = 0.0;
+  double speed_limit = 0.0;
+  bool is_on = true;
+  bool operator==(const ZoneDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &ZoneDescription::name},
+        Field{"kind", &ZoneDescription::kind},
+        Field{"outline", &ZoneDescription::outline, "a simple polygon, counter-clockwise, in W"}.In("m"),
+        Field{"z", &ZoneDescription::z, "of its level"}.In("m"),
+        Field{"speed_limit", &ZoneDescription::speed_limit, "of a speed zone"}.In("m/s").AtLeast(0),
+        Field{"on", &ZoneDescription::is_on, "at load"},
+    };
+  }
+};
+
+// Goods that come to a place at a rate, and have to be brought to another one.
+struct GoodsFlow {
+  std::string name;
+  std::string from;
+  std::string to;
+  Vec2 place{0.0, 0.0};
+  double z = 0.0;
+  double per_hour = 0.0;
+  bool is_random = true;
+  std::uint32_t stock = 0;
+  std::uint32_t room = 100;
+  double due = 600.0;
+  double load_seconds = 5.0;
+  double unload_seconds = 5.0;
+  std::string robots = "*";
+  bool operator==(const GoodsFlow&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &GoodsFlow::name},
+        Field{"from", &GoodsFlow::from, "the name of a vertex of the robots' lanes"},
+        Field{"to", &GoodsFlow::to, "likewise"},
+        Field{"place", &GoodsFlow::place, "of `from`, in W"}.In("m"),
+        Field{"z", &GoodsFlow::z, "of `from`"}.In("m"),
+        Field{"per_hour", &GoodsFlow::per_hour, "goods that arrive"}.Within(0, 36000),
+        Field{"random", &GoodsFlow::is_random, "they arrive at random times, drawn by the seed; else evenly"},
+        Field{"stock", &GoodsFlow::stock, "goods at load"}.Within(0, 10000),
+        Field{"room", &GoodsFlow::room, "for goods at `from`; further ones are refused"}.Within(1, 10000),
+        Field{"due", &GoodsFlow::due, "from the arrival of goods to their due time"}.In("s").Within(0, 1e6),
+        Field{"load_seconds", &GoodsFlow::load_seconds}.In("s").Within(0, 3600),
+        Field{"unload_seconds", &GoodsFlow::unload_seconds}.In("s").Within(0, 3600),
+        Field{"robots", &GoodsFlow::robots, "names of robots that may bring them; `*` is any text"},
+    };
+  }
+};
+
+enum class TimedKind : std::uint8_t { kDoor = 0, kLift = 1, kLane = 2, kZone = 3 };
+constexpr auto NamesOf(TimedKind) {
+  return std::array{"door", "lift", "lane", "zone"};
+}
+
+// What happens at a time of a run, as if a tool had asked for it.
+struct TimedAction {
+  double at = 0.0;
+  TimedKind kind = TimedKind::kDoor;
+  std::uint32_t number = 0;
+  double value = 0.0;
+  bool operator==(const TimedAction&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"at", &TimedAction::at, "simulated"}.In("s").AtLeast(0),
+        Field{"kind", &TimedAction::kind},
+        Field{"number", &TimedAction::number, "of the door, lift or zone, or the lane, counted through all graphs"},
+        Field{"value", &TimedAction::value,
+              "the opening; the floor; the speed limit, 0: closed, negative: as described; 1: on, 0: off"},
     };
   }
 };

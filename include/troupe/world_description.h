@@ -446,6 +446,9 @@ struct WorldDescription {
   std::vector<PersonDescription> people = {};
   std::vector<LevelDescription> levels = {};
   std::vector<LaneGraph> lane_graphs = {};
+  std::vector<ZoneDescription> zones = {};
+  std::vector<GoodsFlow> flows = {};
+  std::vector<TimedAction> timed_actions = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
@@ -475,6 +478,9 @@ struct WorldDescription {
         Field{"levels", &WorldDescription::levels,
               "of a building, or the floors of lifts; none: the world is one level"},
         Field{"lane_graphs", &WorldDescription::lane_graphs},
+        Field{"zones", &WorldDescription::zones},
+        Field{"flows", &WorldDescription::flows},
+        Field{"timed_actions", &WorldDescription::timed_actions, "ascending by their times"},
     };
   }
 };

@@ -11,6 +11,7 @@
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/radio_message.h"
+#include "troupe/site_state.h"
 #include "troupe/traffic_state.h"
 #include "troupe/world_description.h"
 
@@ -150,14 +151,16 @@ struct DoorState {
   double target = 0.0;
   bool held = false;
   bool blocked = false;
+  std::uint32_t hold_ticks = 0;
   bool operator==(const DoorState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
         Field{"opening", &DoorState::opening, "from 0, closed, to 1"}.Within(0, 1),
         Field{"target", &DoorState::target, "the opening that was requested last"}.Within(0, 1),
         Field{"held", &DoorState::held,
-              "open for a robot in its reach, a person, or a body that stopped it at a lift, whatever the target"},
+              "open for a body at its sensor, a person, or a body that stopped it, whatever the target"},
         Field{"blocked", &DoorState::blocked, "the motion of the last tick was cut short by a body"},
+        Field{"hold_ticks", &DoorState::hold_ticks, "for which it stays open after it has opened"}.In("tick"),
     };
   }
 
@@ -169,6 +172,7 @@ struct LiftState {
   std::uint32_t floor = 0;
   std::optional<RobotId> session = {};
   bool blocked = false;
+  bool overloaded = false;
   bool operator==(const LiftState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -176,6 +180,7 @@ struct LiftState {
         Field{"floor", &LiftState::floor, "destination or present stop, in LiftDescription::floors"},
         Field{"session", &LiftState::session, "the only robot whose orders count; none: any"},
         Field{"blocked", &LiftState::blocked, "the motion of the last tick was cut short by a body"},
+        Field{"overloaded", &LiftState::overloaded, "more is in the cabin than it carries: its doors stay open"},
     };
   }
 };
@@ -241,6 +246,12 @@ struct WorldState {
   std::vector<TrafficRobot> traffic_robots = {};  // ascending
   std::vector<TrafficMove> traffic_moves = {};    // in the order of the plan
   std::vector<LaneClosure> lane_closures = {};    // ascending
+  std::vector<LaneRule> lane_rules = {};          // ascending
+  std::vector<ZoneState> zones = {};
+  std::vector<CoverageState> coverage = {};
+  std::vector<ChargingRobot> charging_robots = {};  // ascending
+  std::vector<FlowState> flows = {};
+  std::vector<Job> jobs = {};  // in the order of their times, then of flows
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -260,14 +271,22 @@ struct WorldState {
         Field{"traffic_robots", &WorldState::traffic_robots, "robots that take part in the planned traffic of lanes"},
         Field{"traffic_moves", &WorldState::traffic_moves, "of these robots, in the order of the plan"},
         Field{"lane_closures", &WorldState::lane_closures, "lanes that the plan does not use"},
+        Field{"lane_rules", &WorldState::lane_rules, "lanes that an operator has closed or slowed down"},
+        Field{"zones", &WorldState::zones, "in the order of WorldDescription::zones"},
+        Field{"coverage", &WorldState::coverage, "of cleaning zones, 32 cells a row (common/model/zones.h)"},
+        Field{"charging_robots", &WorldState::charging_robots, "robots that want to charge"},
+        Field{"flows", &WorldState::flows, "in the order of WorldDescription::flows"},
+        Field{"jobs", &WorldState::jobs, "goods that wait to be brought somewhere, or are on their way"},
     };
   }
 };
 
 // The tables with another number of rows in each tick.
 template <typename Row>
-inline constexpr bool kIsVaryingTable = std::is_same_v<Row, RadioTransmission> || std::is_same_v<Row, TrafficRobot> ||
-                                        std::is_same_v<Row, TrafficMove> || std::is_same_v<Row, LaneClosure>;
+inline constexpr bool kIsVaryingTable =
+    std::is_same_v<Row, RadioTransmission> || std::is_same_v<Row, TrafficRobot> || std::is_same_v<Row, TrafficMove> ||
+    std::is_same_v<Row, LaneClosure> || std::is_same_v<Row, LaneRule> || std::is_same_v<Row, ChargingRobot> ||
+    std::is_same_v<Row, Job>;
 
 // Calls visit(table) for each field that is a list of rows: Field<WorldState, std::vector<Row>>.
 template <typename Visit>

@@ -123,8 +123,9 @@ class RequestOptions {
     return app_.add_option_function<std::string>(name, read)->check(SpeedValue())->type_name("X|max");
   }
 
-  // An opening has words for its limits.
+  // The words for a closed and an open door or lane.
   CLI::Option* Add(const std::string& name, double& value, const FieldInfo& field) {
+    if (field.name == "speed_limit") return AddLimit(name, value, field);
     const bool has_words = field.name == "opening";
     const auto number_in = [has_words, limits = field.limits](const std::string& text) -> std::optional<double> {
       if (has_words && text == "close") return limits.min;
@@ -145,6 +146,26 @@ class RequestOptions {
     CLI::Option* const option = app_.add_option_function<std::string>(name, read);
     option->check(CLI::Validator(check, "", has_words ? "open close" : ""));
     return has_words ? option->type_name("open|close|0..1") : option->type_name("NUMBER");
+  }
+
+  // Of a lane: 0 is closed, and below 0 there is none.
+  CLI::Option* AddLimit(const std::string& name, double& value, const FieldInfo& field) {
+    const auto limit_in = [limits = field.limits](const std::string& text) -> std::optional<double> {
+      if (text == "close") return 0.0;
+      if (text == "open") return -1.0;
+      double number = 0.0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+      const bool is_number = error == std::errc() && end == text.data() + text.size();
+      return is_number && number > 0.0 && limits.Contain(number) ? std::optional(number) : std::nullopt;
+    };
+    const auto check = [limit_in](const std::string& text) {
+      return limit_in(text) ? std::string()
+                            : fmt::format("found '{}', expected open, close or a speed above 0 m/s", text);
+    };
+    const auto read = [&value, limit_in](const std::string& text) { value = limit_in(text).value_or(value); };
+    CLI::Option* const option = app_.add_option_function<std::string>(name, read);
+    option->check(CLI::Validator(check, "", "open close"));
+    return option->type_name("open|close|SPEED");
   }
 
   static std::string Text(double number) { return fmt::format("{}", number); }

@@ -85,6 +85,8 @@ RunSummary ReadEnd(const JsonReader& json) {
   json.Read("record_waited_seconds", summary.record_waited_seconds);
   json.Read("totals", summary.totals);
   json.Read("totals_since", summary.totals_since);
+  json.Read("flows", summary.flows);
+  json.Read("cleaning", summary.cleaning);
   return summary;
 }
 
@@ -307,6 +309,23 @@ std::string RobotsText(const RunSummary& run, bool has_styles) {
   return text;
 }
 
+// A line for each flow of goods and each cleaning zone.
+std::string SiteText(const RunSummary& run) {
+  std::string text;
+  for (const FlowTotal& flow : run.flows) {
+    text += fmt::format("{}: {} of {} goods delivered, {:.1f} in an hour, {} late", PlainLine(flow.flow, 60),
+                        flow.delivered, flow.arrived, flow.per_hour, flow.late);
+    if (flow.late > 0) text += fmt::format(" by {:.0f} s", flow.lateness);
+    text += fmt::format(", {} waiting", flow.waiting);
+    if (flow.refused > 0) text += fmt::format(", {} refused", flow.refused);
+    text += "\n";
+  }
+  for (const CleaningTotal& zone : run.cleaning) {
+    text += fmt::format("{}: {:.0f} % cleaned\n", PlainLine(zone.zone, 60), 100.0 * zone.share);
+  }
+  return text;
+}
+
 // What only those want to know who look after the processes.
 std::string ProcessesText(const RunOutcome& outcome) {
   const RunSummary& run = outcome.run;
@@ -356,6 +375,7 @@ std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& opt
   text += fmt::format("{}, {}, state hash {}\n", CountText(run.robots, "robot"), CountText(run.stalls, "stall"),
                       HashText(run.state_hash));
   text += RobotsText(run, options.has_styles);
+  text += SiteText(run);
   if (run.rejected > 0) text += CountText(run.rejected, "proposal") + " rejected\n";
   if (options.with_stats) text += ProcessesText(outcome);
   if (outcome.service_restarted > 0) {
@@ -385,6 +405,10 @@ std::string SummaryJson(const RunOutcome& outcome) {
   for (const SlowRobot& awaited : run.ros) ros.push_back(ToJson(awaited, "name"));
   nlohmann::ordered_json totals = nlohmann::ordered_json::array();
   for (const RobotTotal& total : run.totals) totals.push_back(FieldsToJson<nlohmann::ordered_json>(total));
+  nlohmann::ordered_json flows = nlohmann::ordered_json::array();
+  for (const FlowTotal& flow : run.flows) flows.push_back(FieldsToJson<nlohmann::ordered_json>(flow));
+  nlohmann::ordered_json cleaning = nlohmann::ordered_json::array();
+  for (const CleaningTotal& zone : run.cleaning) cleaning.push_back(FieldsToJson<nlohmann::ordered_json>(zone));
   nlohmann::ordered_json json = {
       {"ticks", run.ticks},
       {"sim_seconds", run.sim_seconds},
@@ -404,6 +428,8 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"slowest_robots", slowest},
       {"ros_lockstep", ros},
       {"robot_totals", std::move(totals)},
+      {"flows", std::move(flows)},
+      {"cleaning", std::move(cleaning)},
       {"lost", run.lost},
       {"frozen", run.frozen},
       {"missing_files", outcome.missing_files},

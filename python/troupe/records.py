@@ -17,7 +17,7 @@ __all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "Gr
            "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "Map", "CameraReading", "Place",
            "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
            "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightOrder", "CameraOrder", "DoorOrder",
-           "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "Command"]
+           "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "ChargeOrder", "JobOrder", "Command"]
 
 
 class Pose(NamedTuple):
@@ -435,6 +435,21 @@ class TrafficOrder(NamedTuple):
     blocked: bool = False  # a body that takes no part is in the way of its present move
 
 
+class ChargeOrder(NamedTuple):
+    """Wants to charge, in each tick in which it does. Vertices are counted through all graphs of the world."""
+
+    vertex: Optional[int] = None  # that it wants for itself; None: it waits, and keeps what it has
+    at_charger: bool = False  # the vertex is a charger, not a place where it waits for one
+
+
+class JobOrder(NamedTuple):
+    """Brings goods, in each tick in which it does."""
+
+    free: bool = False  # it may get another job
+    loads: bool = False  # it has the goods of its job from now on
+    delivers: bool = False  # they are where they have to be
+
+
 class Command(NamedTuple):
     """The command for one tick. A motion ends with the tick; the other commands are valid until the next ones."""
 
@@ -446,6 +461,6 @@ class Command(NamedTuple):
     grippers: Sequence[GripperCommand] = ()
     joints: Sequence[JointCommand] = ()
     messages: Sequence[RadioMessage] = ()
-    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder]] = ()  # executed in order
+    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder, ChargeOrder, JobOrder]] = ()  # executed in order
     report: str = ""  # an event of the run, for users
     say: str = ""  # a text for users, an event of the run

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace troupe {
@@ -70,7 +71,7 @@ std::optional<BlockEnd> GivingWay::OnObstacle(const LanePlace& place, const Leg&
   wait.target = place.target;
   if (is_away && (!is_back_free || !graph_->LaneBetween(leg.to, leg.from))) return end;
   std::optional<LaneRoute> route = LaneRoute();
-  if (place.target) route = FastestRoute(*graph_, leg.from, *place.target, speed_, closed_.At(time));
+  if (place.target) route = FastestRoute(*graph_, leg.from, *place.target, speed_, ClosedAt(time));
   if (!route) return end;
   end.way = WayAround{.legs = std::move(route->legs)};
   if (is_away) end.way = BackFirst(*std::move(end.way), leg);
@@ -87,20 +88,28 @@ WayAround GivingWay::BackFirst(WayAround way, const Leg& leg) const {
 // A detour is worth `worth` s more than the way that it would take.
 std::optional<WayAround> GivingWay::FindDetour(const LanePlace& place, const Leg& leg, double worth) {
   if (!place.target) return std::nullopt;
-  std::vector<std::size_t> closed = closed_.At(place.now.time);
+  std::vector<std::size_t> closed = ClosedAt(place.now.time);
   const std::optional<LaneRoute> route = FastestRoute(*graph_, place.vertex, *place.target, speed_, closed);
   closed.push_back(*leg.lane);
   std::optional<LaneRoute> around = FastestRoute(*graph_, place.vertex, *place.target, speed_, closed);
-  if (!around || around->seconds > route->seconds + worth) return std::nullopt;
+  if (!around || (route && around->seconds > route->seconds + worth)) return std::nullopt;
   closed_.Close(*leg.lane, place.now.time);
   return WayAround{.legs = std::move(around->legs)};
 }
 
 std::optional<LaneRoute> GivingWay::FindRoute(std::size_t from, std::size_t to, double time) const {
-  const std::vector<std::size_t> closed = closed_.At(time);
+  const std::vector<std::size_t> closed = ClosedAt(time);
   std::optional<LaneRoute> route = FastestRoute(*graph_, from, to, speed_, closed);
-  if (route || closed.empty()) return route;
-  return FastestRoute(*graph_, from, to, speed_);
+  if (route || closed.size() == barred_.size()) return route;
+  return FastestRoute(*graph_, from, to, speed_, barred_);
+}
+
+std::vector<std::size_t> GivingWay::ClosedAt(double time) const {
+  const std::vector<std::size_t> closed = closed_.At(time);
+  if (barred_.empty()) return closed;
+  std::vector<std::size_t> all;
+  std::set_union(closed.begin(), closed.end(), barred_.begin(), barred_.end(), std::back_inserter(all));
+  return all;
 }
 
 bool GivingWay::StandsNear(const LanePlace& place, const SeenRobot& other) {
@@ -134,7 +143,7 @@ bool GivingWay::IsInTheWay(const LanePlace& place) const {
 
 std::optional<WayAround> GivingWay::StepAside(const LanePlace& place, std::optional<std::size_t> not_to) const {
   std::vector<Leg> ways = FreeLegs(*graph_, place.vertex, place.others, place.radius, place.half_width);
-  const std::vector<std::size_t> closed = closed_.At(place.now.time);
+  const std::vector<std::size_t> closed = ClosedAt(place.now.time);
   std::erase_if(ways, [&](const Leg& way) {
     return way.to == not_to || std::binary_search(closed.begin(), closed.end(), *way.lane);
   });

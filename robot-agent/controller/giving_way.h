@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "robot-agent/navigation/lane_obstacles.h"
@@ -67,8 +68,10 @@ class GivingWay {
   }
   static constexpr double kFreeSeconds = 2.0;
   void OnPassed(std::size_t lane) { closed_.Forget(lane); }
+  // Lanes that it does not begin, whatever is on them; ascending.
+  void Bar(std::vector<std::size_t> lanes) { barred_ = std::move(lanes); }
 
-  // The fastest route without closed lanes; with them if there is no other.
+  // The fastest route without closed lanes; with them if there is no other, and never along barred ones.
   std::optional<LaneRoute> FindRoute(std::size_t from, std::size_t to, double time) const;
 
   // Another robot stands near this one, `towards` it (zero: on any side), and so perhaps waits for it.
@@ -85,6 +88,8 @@ class GivingWay {
   static bool StandsNear(const LanePlace& place, const SeenRobot& other);
   std::optional<WayAround> FindDetour(const LanePlace& place, const Leg& leg, double worth);
   WayAround BackFirst(WayAround way, const Leg& leg) const;
+  // With those that are barred; ascending.
+  std::vector<std::size_t> ClosedAt(double time) const;
 
   // Before an obstacle.
   struct ObstacleWait {
@@ -102,6 +107,7 @@ class GivingWay {
   double give_way_seconds_ = 0.0;
   std::optional<ObstacleWait> obstacle_wait_;
   ClosedLanes closed_;
+  std::vector<std::size_t> barred_;
 };
 
 }  // namespace troupe

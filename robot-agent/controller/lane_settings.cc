@@ -19,6 +19,7 @@ Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   reader.Read("repeat", settings.repeat);
   reader.Read("close_doors", settings.close_doors);
   reader.Read("planned", settings.planned);
+  reader.Read("goods", settings.goods);
   const auto read = [&](const char* key, double& value, double least, double most) {
     value = reader.Number(key, least, most).value_or(value);
   };

@@ -28,6 +28,7 @@ struct LaneSettings {
   double charge_to = 0.95;
   bool close_doors = true;  // behind it
   bool planned = true;      // it takes part in the planned traffic of the lanes
+  bool goods = false;       // it brings the goods of flows
 
   static constexpr double kMaxSpeed = 1.0;  // m/s, without `speed`
 };

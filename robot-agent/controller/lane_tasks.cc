@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot-agent/navigation/lane_route.h"
+#include "common/model/lane_rules.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {
 
-constexpr double kFacingGoal = 0.02;   // rad
-constexpr double kNoPower = 30.0;      // s at a charger that gives nothing
-constexpr double kNextCharge = 300.0;  // s, until it tries again
+constexpr double kFacingGoal = 0.02;  // rad
+constexpr double kNoPower = 30.0;     // s at a charger that gives nothing
 
 }  // namespace
 
@@ -36,19 +35,34 @@ std::vector<std::size_t> VerticesOf(const Goal& goal, const LaneGraph& graph, do
 
 LaneTasks::LaneTasks(const LaneSettings& settings, const LaneGraph& graph, double speed, bool can_turn)
     : graph_(&graph),
-      speed_(speed),
       can_turn_(can_turn),
       turn_rate_(settings.turn_rate),
       wait_(settings.wait),
       repeat_(settings.repeat),
-      charge_below_(settings.charge_below),
-      charge_to_(settings.charge_to) {
+      charging_(settings, graph, speed) {
+  if (settings.goods) goods_.emplace(graph);
   for (const std::string& place : settings.places) stops_.push_back(*graph_->Find(place));
 }
 
-void LaneTasks::Update(const Observation& observation, std::size_t at) {
+void LaneTasks::Watch(const WorldDescription& world, const WorldState& state, RobotId own,
+                      const std::vector<SeenRobot>& others, double radius) {
+  charging_.Watch(state, own, FirstVertexOf(world, *graph_), others, radius);
+  if (goods_) goods_->Watch(world, state, own);
+}
+
+void LaneTasks::Update(const Observation& observation, std::size_t at, const std::vector<std::size_t>& barred) {
   ReadGoal(observation);
-  ReadEnergy(observation, at);
+  charging_.Update(observation, at, barred);
+}
+
+void LaneTasks::AddOrders(const Observation& observation, Command& command) {
+  if (charging_.wants()) command.orders.emplace_back(charging_.order());
+  if (!goods_) return;
+  if (std::optional<std::string> report = goods_->TakeReport()) command.report = *std::move(report);
+  const bool may_take = !charging_.wants() && next_goal_ >= goal_stops_.size();
+  if (const std::optional<JobOrder> order = goods_->OrderFor(observation.time, may_take)) {
+    command.orders.emplace_back(*order);
+  }
 }
 
 // A goal of a user interrupts the round; its number tells a new goal from the same one.
@@ -65,34 +79,15 @@ void LaneTasks::ReadGoal(const Observation& observation) {
   goal_heading_ = goal->heading;
 }
 
-void LaneTasks::ReadEnergy(const Observation& observation, std::size_t at) {
-  if (!observation.energy || observation.energy->capacity <= 0.0) return;
-  const double level = observation.energy->joules / observation.energy->capacity;
-  if (charger_) {
-    if (level >= charge_to_) charger_.reset();
-    return;
-  }
-  if (level >= charge_below_ || observation.time < charge_after_) return;
-  std::optional<double> least;
-  for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
-    if (!graph_->vertices[i].is_charger) continue;
-    // The charger that is reached soonest, not the nearest one in the plane.
-    const std::optional<LaneRoute> route = FastestRoute(*graph_, at, i, speed_);
-    if (!route || (least && route->seconds >= *least)) continue;
-    least = route->seconds;
-    charger_ = i;
-  }
-  // Without a charger in reach: a search in each tick would cost more than all else.
-  if (!charger_) charge_after_ = observation.time + kNextCharge;
-}
-
-// By falling precedence: giving way, charging, a user's goal, the round, the way home.
+// By falling precedence: giving way, charging, a user's goal, goods, the round, the way home. A robot that waits for a
+// charger does nothing else, since its energy is low.
 std::optional<std::size_t> LaneTasks::target() const {
   if (aside_) return aside_;
-  if (charger_) return charger_;
+  if (charging_.wants()) return charging_.charger() ? charging_.charger() : charging_.waiting_place();
   if (next_goal_ < goal_stops_.size()) return goal_stops_[next_goal_];
+  if (goods_ && goods_->has_job()) return goods_->target();
   if (!goal_ && next_stop_ < stops_.size()) return stops_[next_stop_];
-  return home_;
+  return home_ ? home_ : charging_.way_off();
 }
 
 // True: the stop is over and the next target counts.
@@ -102,8 +97,13 @@ bool LaneTasks::Rest(const Observation& observation, double rested, Command& com
     aside_.reset();
     return true;
   }
-  if (charger_) return Charge(observation, rested, command);
+  if (charging_.charger()) return Charge(observation, rested, command);
+  if (charging_.wants()) return false;
   if (next_goal_ < goal_stops_.size()) return ArriveAtGoal(observation, command);
+  if (goods_ && goods_->has_job()) {
+    goods_->Rest(rested);
+    return false;  // until the frame says so
+  }
   if (!goal_ && next_stop_ < stops_.size()) {
     if (rested < wait_) return false;
     NextStop();
@@ -122,22 +122,25 @@ void LaneTasks::NextStop() {
 void LaneTasks::LeaveOut(const Observation& observation) {
   if (aside_) {
     aside_.reset();
-  } else if (charger_) {
-    charger_.reset();
-    charge_after_ = observation.time + kNextCharge;
+  } else if (charging_.wants()) {
+    charging_.GiveUp(observation.time);
   } else if (next_goal_ < goal_stops_.size()) {
     ++next_goal_;
+  } else if (goods_ && goods_->has_job()) {
+    goods_->GiveUp(observation.time);
   } else if (!goal_ && next_stop_ < stops_.size()) {
     NextStop();
-  } else {
+  } else if (home_) {
     home_.reset();
+  } else {
+    charging_.GiveUp(observation.time);
   }
 }
 
 bool LaneTasks::Charge(const Observation& observation, double rested, Command& command) {
   if (observation.energy && observation.energy->charge_watts > 0.0) powered_at_ = observation.time;
   if (std::min(rested, observation.time - powered_at_) < kNoPower) return false;
-  command.report = fmt::format("the charger {} gives no power", NameOf(*graph_, *charger_));
+  command.report = fmt::format("the charger {} gives no power", NameOf(*graph_, *charging_.charger()));
   LeaveOut(observation);
   return true;
 }

@@ -1,5 +1,5 @@
-// LaneTasks: where a robot on lanes goes next: aside, to a charger, to a user's goal, to its own places, or back to
-// where it waited, in this order.
+// LaneTasks: where a robot on lanes goes next: aside, to a charger, to a user's goal, for its goods, to its own places,
+// or back to where it waited, in this order.
 //
 // Each kind of destination keeps its own progress: a robot that has been charged, or has made room, continues the goal
 // or the round that it had. Places are vertices of its graph; a goal of a user is moved to the nearest vertex. It knows
@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "robot-agent/controller/lane_charging.h"
+#include "robot-agent/controller/lane_goods.h"
 #include "robot-agent/controller/lane_settings.h"
 #include "troupe/controller.h"
 
@@ -24,8 +26,14 @@ class LaneTasks {
   // the settings.
   LaneTasks(const LaneSettings& settings, const LaneGraph& graph, double speed, bool can_turn);
 
-  // Reads the goal and the energy of a tick. `at`: the vertex that the robot was at last.
-  void Update(const Observation& observation, std::size_t at);
+  // What the frame says of chargers and goods; before Update.
+  void Watch(const WorldDescription& world, const WorldState& state, RobotId own, const std::vector<SeenRobot>& others,
+             double radius);
+  // Reads the goal and the energy of a tick. `at`: the vertex that the robot was at last; `barred`: lanes that it does
+  // not begin.
+  void Update(const Observation& observation, std::size_t at, const std::vector<std::size_t>& barred);
+  // Adds what the robot asks of chargers and says of goods to the orders of a tick.
+  void AddOrders(const Observation& observation, Command& command);
 
   // The vertex to go to; nothing: it waits for a goal.
   std::optional<std::size_t> target() const;
@@ -43,28 +51,24 @@ class LaneTasks {
 
  private:
   void ReadGoal(const Observation& observation);
-  void ReadEnergy(const Observation& observation, std::size_t at);
   bool Charge(const Observation& observation, double rested, Command& command);
   bool ArriveAtGoal(const Observation& observation, Command& command);
   void NextStop();
 
   const LaneGraph* graph_;
-  double speed_;
   bool can_turn_;
   double turn_rate_;
   double wait_;  // s, at each stop
   bool repeat_;
-  double charge_below_;
-  double charge_to_;
   std::vector<std::size_t> stops_;
   std::size_t next_stop_ = 0;
   std::optional<std::uint32_t> goal_;  // the user's
   std::vector<std::size_t> goal_stops_;
   std::optional<double> goal_heading_;
   std::size_t next_goal_ = 0;
-  std::optional<std::size_t> charger_;
-  double powered_at_ = 0.0;    // s, simulated: when it last got power
-  double charge_after_ = 0.0;  // s: not before
+  LaneCharging charging_;
+  double powered_at_ = 0.0;  // s, simulated: when it last got power
+  std::optional<LaneGoods> goods_;
   std::optional<std::size_t> aside_;
   double aside_seconds_ = 0.0;
   std::optional<std::size_t> home_;  // where it waited for a goal before it went aside

@@ -25,6 +25,7 @@
 #include "robot-agent/controller/lane_settings.h"
 #include "robot-agent/controller/lane_tasks.h"
 #include "robot-agent/controller/site_controls.h"
+#include "robot-agent/navigation/barred_lanes.h"
 #include "robot-agent/navigation/lane_traffic.h"
 #include "robot-agent/navigation/planned_way.h"
 #include "robot-agent/navigation/steering.h"
@@ -77,6 +78,8 @@ class LanesController final : public Controller, public RobotWatcher {
     half_width_ = std::min(radius_, 0.5 * world.model(world.robot(id_).root).size_y);
     others_ = SeeOthers(world, around.state, id_, radii_);
     if (plan_) plan_->Read(around.state);
+    tasks_.Watch(world, around.state, id_, others_, radius_);
+    has_new_bars_ = barred_.Read(around, id_, *graph_);
   }
 
   Command Update(const Observation& observation) override {
@@ -89,8 +92,12 @@ class LanesController final : public Controller, public RobotWatcher {
                             : waits_for_person_ ? kPersonPatience
                                                 : Recovery::kNever;
     waits_for_person_ = false;
-    if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) return *recovery;
-    tasks_.Update(observation, at_);
+    if (std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+      tasks_.AddOrders(observation, *recovery);
+      return *std::move(recovery);
+    }
+    if (std::exchange(has_new_bars_, false)) HeedBars();
+    tasks_.Update(observation, at_, barred_.lanes());
     SetTarget();
     if (plan_) {
       TakePart();
@@ -113,6 +120,7 @@ class LanesController final : public Controller, public RobotWatcher {
     if (settings_.close_doors) controls_.CloseBehind(legs_, position(), radius_, others_);
     controls_.EndSessions(NeededVertices());
     if (plan_) AddTrafficOrder();
+    tasks_.AddOrders(observation, command_);
     return std::move(command_);
   }
 
@@ -177,7 +185,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const std::optional<std::size_t> target = tasks_.target();
     if (target == target_) return;
     target_ = target;
-    is_unreachable_ = false;
+    is_unreachable_ = waits_for_lanes_ = false;
     rest_since_.reset();
     if (plan_) {
       CheckTarget();
@@ -187,11 +195,28 @@ class LanesController final : public Controller, public RobotWatcher {
     if (!legs_.empty()) legs_.resize(is_on_leg_ ? 1 : 0);
   }
 
+  // Other lanes are barred than before: it finishes the lane that it is on, and looks for its way again.
+  void HeedBars() {
+    const std::vector<std::size_t>& barred = barred_.lanes();
+    giving_way_.Bar(barred);
+    is_unreachable_ = waits_for_lanes_ = false;
+    if (plan_) return;
+    const std::size_t kept = is_on_leg_ ? 1 : 0;
+    const auto is_barred = [&](const Leg& leg) {
+      return leg.lane && std::binary_search(barred.begin(), barred.end(), *leg.lane);
+    };
+    if (legs_.size() > kept && std::any_of(legs_.begin() + static_cast<std::ptrdiff_t>(kept), legs_.end(), is_barred)) {
+      legs_.resize(kept);
+    }
+  }
+
   void PlanTo(std::size_t target) {
     std::optional<LaneRoute> route = giving_way_.FindRoute(at_, target, now_->time);
     is_unreachable_ = !route;
+    waits_for_lanes_ = !route && !barred_.lanes().empty() && FastestRoute(*graph_, at_, target, steer_.speed);
     if (!route) {
-      command_.report = fmt::format("no lanes lead from {} to {}", NameOf(*graph_, at_), NameOf(*graph_, target));
+      const std::string ends = fmt::format("from {} to {}", NameOf(*graph_, at_), NameOf(*graph_, target));
+      command_.report = waits_for_lanes_ ? "all ways " + ends + " are closed: waits" : "no lanes lead " + ends;
       return;
     }
     legs_ = std::move(route->legs);
@@ -253,6 +278,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const double rested = now_->time - *rest_since_;
     const bool was_aside = tasks_.is_aside();
     if (target_ && *target_ != at_) {
+      if (waits_for_lanes_) return GiveRoom(rested, giving_way_.IsInTheWay(place()));
       // The route may be closed for a moment only. In the planned traffic it waits for its next move.
       if (rested < kNoWaySeconds || (plan_ && !is_unreachable_)) return;
       tasks_.LeaveOut(*now_);
@@ -414,6 +440,10 @@ class LanesController final : public Controller, public RobotWatcher {
     if (is_docking && rest < kLookAhead) most = std::min(most, settings_.dock_speed);
     const double limit = leg.lane ? lane(*leg.lane).speed_limit : 0.0;
     if (limit > 0.0) most = std::min(most, limit);
+    if (around_) {
+      const double z = now_->pose_estimate.z;
+      most = std::min(most, AllowedSpeed(*around_, leg.lane, *graph_, position(), along, z));
+    }
     for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), at, radius_)) {
       if (controls_.OpenDoor(*ahead.door)) continue;
       most = std::min(most, BrakingSpeed(drive_, ahead.way_before));
@@ -624,6 +654,9 @@ class LanesController final : public Controller, public RobotWatcher {
   bool has_said_start_ = false;
   std::optional<std::size_t> target_;
   bool is_unreachable_ = false;
+  BarredLanes barred_;
+  bool has_new_bars_ = false;
+  bool waits_for_lanes_ = false;   // only barred lanes lead to its target
   std::vector<std::string> held_;  // mutex groups of the present leg
   MutexTurn turn_;
   std::optional<double> rest_since_;  // s, simulated

@@ -94,7 +94,7 @@ async function findsAllThings() {
   const {run, page} = await start('things', 'view=top');
   const kinds = page.locator('#thing-kinds button');
   await until('the kinds are listed', async () => await kinds.count() > 0);
-  assert.deepEqual(await kinds.allTextContents(), ['Robots 2', 'Doors 8', 'Lifts 1', 'People 3', 'Levels 2']);
+  assert.deepEqual(await kinds.allTextContents(), ['Robots 2', 'Doors 8', 'Lifts 1', 'People 3', 'Levels 2', 'Lanes 13']);
   const rows = () => page.locator('#robot-list .robot').allTextContents();
   await page.click('#thing-kinds >> text=Doors');
   await until('doors are listed', async () => (await rows()).includes('lobby_dooropen'));
@@ -102,6 +102,10 @@ async function findsAllThings() {
   await page.locator('#panel-doors >> text=Close').click();
   void page.evaluate(() => window.troupe.request('step', {ticks: 100}));
   await until('the door is closed', async () => (await rows()).includes('lobby_doorclosed'));
+  await page.click('#thing-kinds >> text=Lanes');
+  await page.click('#robot-list >> text=entrance - lobby');
+  void page.evaluate(() => window.troupe.request('step', {ticks: 2}));
+  await until('the lane is closed', async () => (await rows()).includes('entrance - lobbyclosed'));
   await page.click('#thing-kinds >> text=Levels');
   await until('levels are listed', async () => /^L1.*,L2.*$/.test((await rows()).join()));
   assert.match((await rows())[0], /2 robots/);

@@ -166,6 +166,11 @@ THINGS = (
           {"robots": [_robot("courier", 22, 8, controller={
               "name": "lanes", "parameters": {"planned": True, "places": ["end", "start"]}})]},
           "eventually arrivals(courier) >= 1", site=True, topic="/courier/odom"),
+    Thing("zone", "zones", "wet", {"zones": [{"name": "wet", "kind": "cleaning", "region": [-2, -2, 2, 2]}]},
+          "always share(wet) <= 1"),
+    Thing("flow of goods", "flows", "parcels",
+          {"flows": [{"name": "parcels", "from": "start", "to": "end", "per_hour": 3600, "robots": "courier"}]},
+          "eventually arrived(parcels) >= 1", site=True),
     Thing("level", "levels", "L2", {}, "always robots(\"L2\") >= 0", site=True, topic="/building_map"),
     Thing("lane", "lanes", "", {}, "forall l in lanes: always robots(l) >= 0", site=True, mark="lane", topic="/building_map"),
 )
@@ -234,6 +239,8 @@ ACTIONS = (
     Action("goto", ("goto", "{name}", "{x},{y}", "--no-wait"), ("robot with goals",)),
     Action("door", ("ctl", "door", "{name}", "open"), ("doors",)),
     Action("lift", ("ctl", "lift", "{name}", "high"), ("lifts",)),
+    Action("zone", ("ctl", "zone", "{name}", "off"), ("zones",)),
+    Action("lane", ("ctl", "lane", "start", "end", "close"), ("lane",)),
     Action("light", ("ctl", "light", "{name}", "off"), ("lights",)),
     Action("reset", ("ctl", "reset"), edits=True),
     Action("speed", ("ctl", "speed", "max")),

@@ -363,10 +363,42 @@ struct Light {
   }
 };
 
+struct Lane {
+  static constexpr std::string_view kName = "lane";
+  static constexpr std::string_view kHelp = "Close a lane for robots, limit their speed there, or open it again";
+  static constexpr RequestKind kKind = RequestKind::kInput;
+  std::string from = {};
+  std::string to = {};
+  double speed_limit = 0.0;
+  bool operator==(const Lane&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Required(Field{"from", &Lane::from, "the name of a vertex, or 'vertex N' of one without a name"}),
+        Required(Field{"to", &Lane::to, "the name of a vertex at the other end; the lane counts in both directions"}),
+        Required(Field{"speed_limit", &Lane::speed_limit, "close, open, or a speed in m/s"}.Within(-1, 1000), "LIMIT"),
+    };
+  }
+};
+
+struct Zone {
+  static constexpr std::string_view kName = "zone";
+  static constexpr std::string_view kHelp = "Switch a zone on or off";
+  static constexpr RequestKind kKind = RequestKind::kInput;
+  std::string name = {};
+  bool on = true;
+  bool operator==(const Zone&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Required(Field{"name", &Zone::name, "its name"}),
+        Required(Field{"on", &Zone::on, "on or off"}),
+    };
+  }
+};
+
 // The number of the alternative is that on the wire.
 using Request =
     std::variant<GetStatus, Pause, Play, Step, Reset, LoadWorld, Spawn, Delete, SetPose, Entities, Spawnables, Speed,
-                 CommandRobot, Restore, Rewind, Change, World, Worlds, SetTwist, Door, Lift, Light>;
+                 CommandRobot, Restore, Rewind, Change, World, Worlds, SetTwist, Door, Lift, Light, Lane, Zone>;
 
 inline RequestKind KindOf(const Request& request) {
   return std::visit([](const auto& each) { return each.kKind; }, request);

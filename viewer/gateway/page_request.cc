@@ -35,7 +35,8 @@ bool IsModelName(const std::string& source) {
 template <typename Row, typename Part>
 constexpr bool kIsRequired = std::is_same_v<Part, Pose> || std::is_same_v<Part, Twist> ||
                              std::is_same_v<Part, double> || std::is_same_v<Part, std::uint64_t> ||
-                             (std::is_same_v<Part, bool> && std::is_same_v<Row, control::Light>);
+                             (std::is_same_v<Part, bool> &&
+                              (std::is_same_v<Row, control::Light> || std::is_same_v<Row, control::Zone>));
 
 // The members of a request follow from its list of fields.
 template <typename Row>
@@ -55,7 +56,8 @@ template <typename Request>
 constexpr bool kMayPageSend =
     kIsAmong<Request, control::GetStatus, control::Pause, control::Play, control::Step, control::Reset, control::Spawn,
              control::Delete, control::SetPose, control::Entities, control::Spawnables, control::Speed,
-             control::CommandRobot, control::Restore, control::Rewind, control::Door, control::Lift, control::Light>;
+             control::CommandRobot, control::Restore, control::Rewind, control::Door, control::Lift, control::Light,
+             control::Lane, control::Zone>;
 
 Status RestrictToPage(control::Spawn& spawn) {
   if (!IsModelName(spawn.source)) return Malformed("source '" + spawn.source + "'", "a model of the world file");

@@ -4,12 +4,23 @@
 //
 // Openings and heights are compared for equality: a motion that reaches its end is set to exactly 0, 1 or the floor's
 // height (doors.cc, lifts.cc), so no tolerance is needed, and an event is told once.
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "common/model/lane_rules.h"
 #include "common/spatial/walk_routes.h"
 #include "world-service/core/people_view.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {
 namespace {
+
+std::string LimitText(double speed) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g m/s", speed);
+  return text;
+}
 
 class BuildingEvents {
  public:
@@ -37,6 +48,55 @@ class BuildingEvents {
       if (now.z == floor.z) Add(EventType::kLiftArrived, lift.model, {}, floor.name);
     }
     if (now.blocked && !before.blocked) Add(EventType::kLiftBlocked, lift.model);
+    if (!now.overloaded || before.overloaded) return;
+    for (const LiftFloor& floor : lift.floors) {
+      if (now.z == floor.z) return Add(EventType::kLiftOverloaded, lift.model, {}, floor.name);
+    }
+  }
+
+  // A lane that has got another rule, or none any more.
+  void AddOfLanes() {
+    const std::vector<LaneRule>& before = before_.lane_rules;
+    const std::vector<LaneRule>& now = now_.lane_rules;
+    for (std::size_t i = 0, j = 0; i < before.size() || j < now.size();) {
+      const bool is_old = j == now.size() || (i < before.size() && before[i].lane < now[j].lane);
+      if (is_old) {
+        AddOfLane(before[i++].lane, "open");
+        continue;
+      }
+      const bool is_new = i == before.size() || now[j].lane < before[i].lane;
+      if (is_new || before[i].speed_limit != now[j].speed_limit) {
+        AddOfLane(now[j].lane, now[j].speed_limit == 0.0 ? "closed" : LimitText(now[j].speed_limit));
+      }
+      if (!is_new) ++i;
+      ++j;
+    }
+  }
+
+  void AddOfZone(std::size_t i) {
+    if (now_.zones[i].is_on == before_.zones[i].is_on) return;
+    AddPlain(EventType::kZoneSwitched, world_.zones[i].name + (now_.zones[i].is_on ? " on" : " off"));
+  }
+
+  void AddOfFlow(std::size_t i) {
+    const std::string& name = world_.flows[i].name;
+    if (now_.flows[i].arrived > before_.flows[i].arrived) AddPlain(EventType::kGoodsArrived, name);
+    if (now_.flows[i].refused > before_.flows[i].refused) AddPlain(EventType::kGoodsRefused, name);
+  }
+
+  // Of the jobs before: they are in the same order now, less those that are done.
+  void AddOfJobs() {
+    auto now = now_.jobs.begin();
+    for (const Job& before : before_.jobs) {
+      const bool is_there = now != now_.jobs.end() && now->flow == before.flow && now->number == before.number;
+      const std::string& name = world_.flows[before.flow].name;
+      if (!is_there) {
+        AddPlain(EventType::kDelivered, name, before.robot);
+        continue;
+      }
+      if (now->is_loaded && !before.is_loaded) AddPlain(EventType::kGoodsLoaded, name, now->robot);
+      ++now;
+    }
   }
 
   void AddOfPerson(PersonId id) {
@@ -63,6 +123,13 @@ class BuildingEvents {
   void Add(EventType type, ModelId subject, std::optional<ModelId> other = {}, std::string detail = {}) {
     events_.push_back(
         {.tick = now_.tick, .type = type, .other = other, .detail = std::move(detail), .object = subject});
+  }
+
+  void AddPlain(EventType type, std::string detail, std::optional<RobotId> robot = {}) {
+    events_.push_back({.tick = now_.tick, .type = type, .robot = robot, .detail = std::move(detail)});
+  }
+  void AddOfLane(std::uint32_t lane, const std::string& rule) {
+    AddPlain(EventType::kLaneSwitched, NameOfLane(world_, lane) + ": " + rule);
   }
 
   bool IsInside(const WorldState& state, const PersonState& person, std::uint32_t lift) const {
@@ -104,6 +171,10 @@ void AddBuildingEvents(const Scene& scene, const WorldState& before, const World
   for (std::size_t i = 0; i < now.doors.size(); ++i) building.AddOfDoor(i);
   for (std::size_t i = 0; i < now.lifts.size(); ++i) building.AddOfLift(i);
   for (std::size_t i = 0; i < now.people.size(); ++i) building.AddOfPerson(PersonId(i));
+  building.AddOfLanes();
+  for (std::size_t i = 0; i < now.zones.size(); ++i) building.AddOfZone(i);
+  for (std::size_t i = 0; i < now.flows.size(); ++i) building.AddOfFlow(i);
+  building.AddOfJobs();
 }
 
 }  // namespace troupe

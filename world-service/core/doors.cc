@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
 #include "world-service/core/edit_world.h"
 #include "world-service/core/step_workspace.h"
@@ -28,9 +29,11 @@ class DoorTurn {
         is_asked_for_(is_asked_for) {}
 
   void Act() {
-    // Else nothing opens the door but its target, and `held` stays as it is: false.
-    if (door_.detection_radius > 0.0 || is_asked_for_) {
-      state_.held = is_asked_for_.value_or(false) || (door_.detection_radius > 0.0 && HasRobotInReach());
+    // Else nothing opens the door but its target, and `held` stays as it is: false, or as its lift has set it.
+    if (door_.detection_radius > 0.0 || door_.sensor_depth > 0.0 || door_.reopens || is_asked_for_) {
+      const bool is_sensed = is_asked_for_.value_or(false) || (door_.detection_radius > 0.0 && HasRobotInReach()) ||
+                             (door_.sensor_depth > 0.0 && HasBodyAtSensor());
+      state_.held = IsHeld(is_sensed);
     }
     state_.blocked = false;
     const double way = state_.commanded_opening() - state_.opening;
@@ -50,6 +53,45 @@ class DoorTurn {
   }
 
  private:
+  // The hold time begins when nothing is at the door any more, and counts while it is open, or cannot open further. The
+  // edge that reopens is a hold, too: from the contact until it is open.
+  bool IsHeld(bool is_sensed) {
+    const auto hold = static_cast<std::uint32_t>(TicksIn(workspace_.world(), door_.hold));
+    if (is_sensed) {
+      state_.hold_ticks = hold;
+      return true;
+    }
+    const bool was_closing = !state_.held && state_.target < state_.opening;
+    if (door_.reopens && state_.blocked && was_closing) state_.hold_ticks = std::max<std::uint32_t>(hold, 1);
+    if (state_.hold_ticks == 0) return false;
+    if (state_.opening == 1.0 || (state_.held && state_.blocked)) --state_.hold_ticks;
+    return true;
+  }
+
+  // A robot or a person on the level of the door whose origin is in the region of its sensor.
+  bool HasBodyAtSensor() const {
+    const Pose& X_WD = workspace_.scene.X_LM(door_.model);
+    const ZRange heights = Heights();
+    const double half_width = 0.5 * door_.sensor_width;
+    const double radius = std::hypot(half_width, door_.sensor_depth);
+    bool found = false;
+    workspace_.bodies.ForEachNear(Rectangle::Around(X_WD.translation(), radius), [&](BodyId id) {
+      if (found || !IsRobotOrPerson(id)) return;
+      const Pose& X_WB = workspace_.bodies.X_WB(id);
+      const Vec2 p_D = Transform2(X_WD).InverseTransform(X_WB.translation());
+      found = std::fabs(p_D.x()) <= half_width && std::fabs(p_D.y()) <= door_.sensor_depth &&
+              heights.Overlaps(workspace_.scene.body(id).z + X_WB.z);
+    });
+    return found;
+  }
+
+  bool IsRobotOrPerson(BodyId id) const {
+    const WorldDescription& world = workspace_.world();
+    if (id.index() < workspace_.next.robots.size()) return RobotExists(world, RobotId(id.index()));
+    const std::optional<PersonId> person = workspace_.scene.person_of(id);
+    return person && !world.model(world.person(*person).root).removed;
+  }
+
   // A robot on the level of the door whose origin is within its reach.
   bool HasRobotInReach() const {
     // The model of a door never moves, so that its pose on its link is that in W.

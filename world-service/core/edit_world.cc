@@ -130,6 +130,7 @@ void Remove(WorldDescription& world, ModelId root) {
 // Of a robot that is where its plan does not have it: it begins anew, at the vertex that is nearest then.
 void LeaveTraffic(WorldState& state, RobotId robot) {
   std::erase_if(state.traffic_robots, [&](const TrafficRobot& row) { return row.robot == robot; });
+  std::erase_if(state.charging_robots, [&](const ChargingRobot& row) { return row.robot == robot; });
   std::erase_if(state.traffic_moves, [&](const TrafficMove& move) { return move.robot == robot; });
 }
 
@@ -426,6 +427,11 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
     edited.state.transmissions.clear();
     edited.state.lane_closures.clear();
     for (TrafficRobot& robot : edited.state.traffic_robots) robot.since = 0;
+    for (ChargingRobot& robot : edited.state.charging_robots) robot.since = 0;
+    for (Job& job : edited.state.jobs) {
+      job.due -= job.since;
+      job.since = 0;
+    }
   }
   return edited;
 }

@@ -8,18 +8,18 @@
 namespace troupe {
 namespace {
 
-constexpr double kAisle = 0.2;         // m, beside the middle of the doorway, on the way in and out
-constexpr double kCallDistance = 2.0;  // m from a lift's entrance
-constexpr double kPatience = 300.0;    // s: then a person gives up its goal
-constexpr double kSidestep = 0.6;      // of the speed, out of the way of leaving passengers
-constexpr double kAtPlace = 0.05;      // m
-constexpr double kSlowDown = 0.3;      // m, before a place
+constexpr double kAisle = 0.2;          // m, beside the middle of the doorway, on the way in and out
+constexpr double kCallDistance = 2.0;   // m from a lift's entrance
+constexpr double kPatience = 300.0;     // s: then a person gives up its goal
+constexpr double kSidestep = 0.6;       // of the speed, out of the way of leaving passengers
+constexpr double kAtPlace = 0.05;       // m
+constexpr double kSlowNearPlace = 0.3;  // m, before a place
 
 // The velocity of a person straight to a point in the frame of a doorway.
 // Slower near the point, so that a step does not overshoot it: the person would swing about its place.
 Vec2 Towards(const LiftStop& stop, const Vec2& here, const Vec2& to_U, double speed) {
   const Vec2 way = stop.FromU(to_U) - here;
-  return speed * std::min(1.0, way.norm() / kSlowDown) * Unit(way);
+  return speed * std::min(1.0, way.norm() / kSlowNearPlace) * Unit(way);
 }
 
 // On the way from the door to a place in the cabin, and back to it.
@@ -108,10 +108,17 @@ class Rider {
     if (is_open && wants_off && person_.boarding_ticks < PassingTicks(view_.world())) {
       return TowardsDoor(*stop, here_, radius_, speed_);
     }
+    if (person_.place == 0 && lift_.overloaded) return OutOfOverload();
     if (person_.place == 0) return OutOfDoorway();
     const LiftStop* const any = stop ? &*stop : AnyStop(portal_);
     if (any == nullptr) return {0.0, 0.0};
     return TowardsPlace(portal_, *any, here_, person_.place, speed_);
+  }
+
+  // The lift stays where it is, whatever it has been called to, until this person has left it.
+  Vec2 OutOfOverload() const {
+    const std::optional<std::uint32_t> floor = portal_.FloorAt(lift_.z);
+    return floor ? TowardsDoor(*portal_.stops[*floor], here_, radius_, speed_) : Vec2(0.0, 0.0);
   }
 
   // Without a place in the cabin a person gets out of the way of leaves that close. The cabin may have been called

@@ -27,6 +27,24 @@
 
 namespace troupe {
 
+// What is in a cabin, of what a lift with limits counts.
+struct CabinLoad {
+  static constexpr double kPersonMass = 75.0;  // kg, the mean that standards of lifts reckon with (EN 81-20)
+  std::int32_t bodies = 0;                     // robots and people
+  double mass = 0.0;                           // kg
+  void AddPerson() {
+    ++bodies;
+    mass += kPersonMass;
+  }
+  bool IsWithin(const LiftDescription& lift) const {
+    return (lift.capacity == 0 || bodies <= lift.capacity) && (lift.max_load == 0.0 || mass <= lift.max_load);
+  }
+};
+inline bool IsLimited(const LiftDescription& lift) {
+  return lift.capacity > 0 || lift.max_load > 0.0;
+}
+CabinLoad RobotsInCabin(const StepWorkspace& workspace, std::size_t lift);
+
 // Decides for all lifts who gets on, and where each goes next, by the people's calls.
 void ServePeople(StepWorkspace& workspace);
 

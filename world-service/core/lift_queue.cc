@@ -63,6 +63,7 @@ class LiftService {
     for (Passenger& passenger : passengers_) CountPassing(passenger);
     // A robot alone commands the lift: people get off by themselves, and wait.
     if (lift_.session) return;
+    if (lift_.overloaded) SendOneOut();
     for (Passenger& passenger : passengers_) {
       if (!passenger.is_inside || passenger.state->place != 0) continue;
       // A person that was in the cabin at the start, or was moved into it, gets a place if there is one; else it gets
@@ -77,6 +78,31 @@ class LiftService {
   }
 
  private:
+  // Of too many in the cabin the one that called last leaves; of several at once that of the largest id.
+  void SendOneOut() {
+    Passenger* last = nullptr;
+    for (Passenger& each : passengers_) {
+      if (!each.is_inside) continue;
+      if (each.state->place == 0) return;  // one is on its way out
+      const bool is_later = last == nullptr || now_ - each.state->call_tick <= now_ - last->state->call_tick;
+      if (is_later) last = &each;
+    }
+    if (last != nullptr) last->state->place = 0;
+  }
+
+  // The lift carries the passenger, too, with all who have a place in the cabin, and, for one who waits outside, with
+  // all who are in there.
+  bool Carries(const Passenger& passenger) const {
+    if (!IsLimited(description_)) return true;
+    CabinLoad load = RobotsInCabin(workspace_, number_);
+    for (const Passenger& each : passengers_) {
+      const bool counts = each.state->place != 0 || (each.is_inside && !passenger.is_inside);
+      if (&each != &passenger && counts) load.AddPerson();
+    }
+    load.AddPerson();
+    return load.IsWithin(description_);
+  }
+
   // A body is in the way of a door that opens at this floor.
   bool IsStuck() const {
     if (!Stands(workspace_.world(), workspace_.next, number_)) return false;
@@ -172,6 +198,7 @@ class LiftService {
 
   // The first place that no person has, and on which no robot or object is in the way of this one; from 1 on.
   std::optional<std::uint32_t> FreePlace(const Passenger& passenger) const {
+    if (!Carries(passenger)) return std::nullopt;
     for (std::uint32_t place = 1; place <= portal_.places.size(); ++place) {
       const bool is_given = std::any_of(passengers_.begin(), passengers_.end(),
                                         [&](const Passenger& each) { return each.state->place == place; });

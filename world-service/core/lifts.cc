@@ -45,6 +45,32 @@ void ExecuteCalls(std::size_t lift, const TickOrders& orders, LiftState& state) 
   });
 }
 
+// The origin of a body is within the outline of the cabin, and not below its floor or above its top.
+bool IsInCabin(const StepWorkspace& workspace, const LiftDescription& lift, const Pose& X_WB) {
+  const BodyId body = workspace.scene.body_of(lift.cabin);
+  const Body& cabin = workspace.scene.body(body);
+  const Pose& X_WC = workspace.bodies.X_WB(body);
+  const Vec2 p_C = Transform2(X_WC).InverseTransform(X_WB.translation());
+  const double above = X_WB.z - X_WC.z;
+  if (!(above >= -kFloorSlack && above <= cabin.z.max + kFloorSlack)) return false;
+  Rectangle outline = Rectangle::Nothing();  // in the frame of the cabin
+  for (const ConvexPiece& piece : cabin.pieces) outline.Extend(BoundingBox(piece.vertices));
+  return p_C.x() > outline.min_x && p_C.x() < outline.max_x && p_C.y() > outline.min_y && p_C.y() < outline.max_y;
+}
+
+// More is in the cabin than the lift carries.
+bool IsOverloaded(const StepWorkspace& workspace, std::size_t lift) {
+  const LiftDescription& description = workspace.world().lifts[lift];
+  if (!IsLimited(description)) return false;
+  CabinLoad load = RobotsInCabin(workspace, lift);
+  for (std::size_t i = 0; i < workspace.next.people.size(); ++i) {
+    const bool is_inside = !workspace.world().model(workspace.world().people[i].root).removed &&
+                           IsInCabin(workspace, description, workspace.next.people[i].X_WP);
+    if (is_inside) load.AddPerson();
+  }
+  return !load.IsWithin(description);
+}
+
 // One cabin on its way.
 class CabinMotion {
  public:
@@ -77,16 +103,7 @@ class CabinMotion {
     return outline;
   }
 
-  // The origin of a body is within the outline of the cabin, and not below its floor or above its top.
-  bool IsInside(const Pose& X_WB) const {
-    const Body& cabin = workspace_.scene.body(Cabin());
-    const Pose& X_WC = workspace_.bodies.X_WB(Cabin());
-    const Vec2 p_C = Transform2(X_WC).InverseTransform(X_WB.translation());
-    const double above = X_WB.z - X_WC.z;
-    if (!(above >= -kFloorSlack && above <= cabin.z.max + kFloorSlack)) return false;
-    const Rectangle outline = Outline();
-    return p_C.x() > outline.min_x && p_C.x() < outline.max_x && p_C.y() > outline.min_y && p_C.y() < outline.max_y;
-  }
+  bool IsInside(const Pose& X_WB) const { return IsInCabin(workspace_, lift_, X_WB); }
 
   bool IsCarried(ModelId model) const {
     const std::optional<BodyId> body = workspace_.scene.body_of(model);
@@ -228,12 +245,14 @@ class CabinMotion {
   std::vector<BodyId> carried_;  // ascending
 };
 
-// Opens the doors of the floor at which the lift stands, and closes all others.
+// Opens the doors of the floor at which the lift stands, and closes all others. A lift with too much in its cabin
+// stays.
 void OperateDoors(const LiftDescription& lift, const LiftState& state, std::vector<DoorState>& doors) {
   const auto is_at = [&](const LiftFloor& floor) { return floor.z == state.z; };
-  const bool stands = is_at(lift.floors[state.floor]);
+  const bool is_at_floor = is_at(lift.floors[state.floor]);
   const auto at =
-      stands ? lift.floors.begin() + state.floor : std::find_if(lift.floors.begin(), lift.floors.end(), is_at);
+      is_at_floor ? lift.floors.begin() + state.floor : std::find_if(lift.floors.begin(), lift.floors.end(), is_at);
+  const bool stands = is_at_floor || (state.overloaded && at != lift.floors.end());
   bool reopens = false;
   if (!stands && at != lift.floors.end()) {
     const auto has = [&](auto is) {
@@ -260,9 +279,28 @@ void OperateDoors(const LiftDescription& lift, const LiftState& state, std::vect
 
 }  // namespace
 
+CabinLoad RobotsInCabin(const StepWorkspace& workspace, std::size_t lift) {
+  const WorldDescription& world = workspace.world();
+  CabinLoad load;
+  for (std::size_t i = 0; i < workspace.next.robots.size(); ++i) {
+    if (!RobotExists(world, RobotId(i))) continue;
+    if (!IsInCabin(workspace, world.lifts[lift], workspace.next.robots[i].X_WR)) continue;
+    ++load.bodies;
+    load.mass += world.model(world.robots[i].root).power.mass;
+  }
+  return load;
+}
+
 void CallLifts(const TickOrders& orders, StepWorkspace& workspace) {
   const std::vector<LiftDescription>& lifts = workspace.world().lifts;
-  for (std::size_t i = 0; i < lifts.size(); ++i) ExecuteCalls(i, orders, workspace.next.lifts[i]);
+  for (std::size_t i = 0; i < lifts.size(); ++i) {
+    LiftState& state = workspace.next.lifts[i];
+    ExecuteCalls(i, orders, state);
+    // Only at a floor: on its way it has what it has.
+    const bool is_at_floor = std::any_of(lifts[i].floors.begin(), lifts[i].floors.end(),
+                                         [&](const LiftFloor& floor) { return floor.z == state.z; });
+    state.overloaded = is_at_floor && IsOverloaded(workspace, i);
+  }
   ServePeople(workspace);
   for (std::size_t i = 0; i < lifts.size(); ++i) OperateDoors(lifts[i], workspace.next.lifts[i], workspace.next.doors);
 }
@@ -272,7 +310,7 @@ void MoveLifts(StepWorkspace& workspace) {
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     LiftState& state = workspace.next.lifts[i];
     state.blocked = false;
-    bool may_move = state.z != lifts[i].floors[state.floor].z;
+    bool may_move = state.z != lifts[i].floors[state.floor].z && !state.overloaded;
     for (const LiftFloor& floor : lifts[i].floors) {
       for (const std::size_t door : floor.doors) {
         may_move = may_move && workspace.next.doors[door].opening == 0.0;

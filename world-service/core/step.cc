@@ -131,16 +131,24 @@ constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
 // In one thread but for people. The order is explained in step.h.
-StepResult Finish(StepWorkspace& workspace, const WorldState& before, const TickOrders& orders,
+StepResult Finish(StepWorkspace& workspace, const WorldState& before, const TickOrders& given,
                   ThreadPool* people_pool) {
-  const std::span<const Proposal* const> by_robot = orders.proposals;
+  const std::span<const Proposal* const> by_robot = given.proposals;
+  // The file's before those of tools.
+  std::vector<Input> inputs = TimedInputs(workspace.world(), workspace.next.tick);
+  inputs.insert(inputs.end(), given.inputs.begin(), given.inputs.end());
+  const TickOrders orders{inputs, by_robot};
+  RuleLanes(orders, workspace);
   CallLifts(orders, workspace);
   MoveDoors(orders, workspace);
   MoveLifts(workspace);
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
   MovePeople(workspace, people_pool);
+  AssignChargers(orders, workspace);
+  MoveGoods(orders, workspace);
   DirectTraffic(orders, workspace);
+  CoverZones(workspace);
   Transmit(workspace.world(), by_robot, workspace.next);
   ExchangeEnergy(workspace);
   OperateDevices(orders, workspace);

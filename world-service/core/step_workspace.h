@@ -171,7 +171,7 @@ void KeepVelocities(const Scene& scene, const BodyIndex& bodies, WorldState& sta
 void KeepVelocities(const Scene& scene, RobotId robot, WorldState& state);
 
 // Doors, after the robots have acted: each moves towards its target, or opens for a robot in its reach, up to the
-// first contact of a leaf with a robot or an object.
+// first contact of a leaf with a robot, a person or an object.
 void MoveDoors(const TickOrders& orders, StepWorkspace& workspace);
 
 // Lifts: before the doors move, the orders count, and each opens its doors where it stands at its floor and closes them
@@ -183,7 +183,23 @@ void MoveLifts(StepWorkspace& workspace);
 // moves.
 void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace);
 
-// Adds what doors, lifts and people have done between two states: doors in their order, then lifts, then people.
+// What the file of a world demands at the time of a tick, as orders of a tool.
+std::vector<Input> TimedInputs(const WorldDescription& world, Tick tick);
+
+// Rules of lanes and the switches of zones, before all that heeds them.
+void RuleLanes(const TickOrders& orders, StepWorkspace& workspace);
+
+// Cleaning zones, after all motion: the cells on which robots are count as covered.
+void CoverZones(StepWorkspace& workspace);
+
+// Decides which robot has which charger, and which place to wait for one.
+void AssignChargers(const TickOrders& orders, StepWorkspace& workspace);
+
+// Goods arrive, and robots get, load and deliver them.
+void MoveGoods(const TickOrders& orders, StepWorkspace& workspace);
+
+// Adds what doors, lifts and people have done between two states: doors in their order, then lifts,
+// people, lanes, zones and goods.
 void AddBuildingEvents(const Scene& scene, const WorldState& before, const WorldState& now, std::vector<Event>& events);
 
 // Gravity: objects that have lost their support fall straight to the highest support under their footprint, and rest

@@ -10,7 +10,9 @@
 #include "common/base/json_reader.h"
 #include "common/base/json_writer.h"
 #include "common/model/goal_text.h"
+#include "common/model/lane_rules.h"
 #include "common/model/states.h"
+#include "common/model/zones.h"
 #include "common/signals/state_tables.h"
 #include "common/spatial/check_order.h"
 #include "world-service/core/step.h"
@@ -137,6 +139,17 @@ struct InputSearch {
       return Input{lights[i].robot, LightOrder{i - scene.first_light_of(lights[i].robot), light.on}};
     }
     return Error{{}, "the world has no light '" + light.name + "' on a robot"};
+  }
+  // The first lane between the two: an order is for all lanes on one line.
+  Result<Input> operator()(const control::Lane& request) const {
+    const std::optional<std::uint32_t> lane = FindLane(world, request.from, request.to);
+    if (!lane) return Error{{}, "the world has no lane from '" + request.from + "' to '" + request.to + "'"};
+    return Input{{}, LaneOrder{*lane, request.speed_limit}};
+  }
+  Result<Input> operator()(const control::Zone& request) const {
+    const std::optional<std::size_t> zone = FindZone(world, request.name);
+    if (!zone) return Error{{}, "the world has no zone '" + request.name + "'"};
+    return Input{{}, ZoneOrder{*zone, request.on}};
   }
 };
 

@@ -146,6 +146,20 @@ std::string EventText(const WorldDescription& world, const Event& event) {
       return text + Name(world, event.object) + " gets off " + Name(world, event.other) + " at " + event.detail;
     case EventType::kPersonArrived:
       return text + Name(world, event.object) + " has reached " + event.detail;
+    case EventType::kLiftOverloaded:
+      return text + Name(world, event.object) + " carries no more at floor " + event.detail;
+    case EventType::kLaneSwitched:
+      return text + "lane " + event.detail;
+    case EventType::kZoneSwitched:
+      return text + "zone " + event.detail;
+    case EventType::kGoodsArrived:
+      return text + "goods of " + event.detail + " have arrived";
+    case EventType::kGoodsRefused:
+      return text + "there is no room for goods of " + event.detail;
+    case EventType::kGoodsLoaded:
+      return text + robot + " has goods of " + event.detail;
+    case EventType::kDelivered:
+      return text + robot + " has delivered goods of " + event.detail;
     case EventType::kSaid:
       return text + robot + " says: " + event.detail;
     case EventType::kReported:

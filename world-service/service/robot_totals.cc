@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/model/zones.h"
 #include "common/signals/state_tables.h"
 
 namespace troupe {
@@ -42,7 +43,12 @@ Status RobotTotals::OnTick(const CommittedTick& tick) {
     for (const Event& event : tick.frame.events) Count(event);
     for (const RobotCommand& command : tick.commands) Count(command);
   }
+  tick_ = state.tick;
   stores_ = state.stores;
+  flows_ = state.flows;
+  zones_ = state.zones;
+  waiting_.assign(flows_.size(), 0);
+  for (const Job& job : state.jobs) waiting_[job.flow] += job.is_loaded ? 0 : 1;
   return {};
 }
 
@@ -69,6 +75,42 @@ void RobotTotals::Count(const RobotCommand& command) {
   if (counts.is_reached || (command.goal->waypoints.back() - counts.position).norm() > kGoalReached) return;
   counts.is_reached = true;
   ++counts.goals_reached;
+}
+
+std::vector<FlowTotal> RobotTotals::CollectFlows() const {
+  std::vector<FlowTotal> totals;
+  if (scene_ == nullptr) return totals;
+  const WorldDescription& world = scene_->world();
+  const double hours = static_cast<double>(tick_) * world.interval_seconds() / 3600.0;
+  for (std::size_t i = 0; i < std::min(flows_.size(), world.flows.size()); ++i) {
+    const FlowState& counts = flows_[i];
+    FlowTotal& total = totals.emplace_back();
+    total.flow = world.flows[i].name;
+    total.arrived = counts.arrived;
+    total.refused = counts.refused;
+    total.delivered = counts.delivered;
+    total.late = counts.late;
+    if (counts.late > 0) {
+      total.lateness =
+          static_cast<double>(counts.lateness) * world.interval_seconds() / static_cast<double>(counts.late);
+    }
+    if (hours > 0.0) total.per_hour = static_cast<double>(counts.delivered) / hours;
+    total.waiting = waiting_[i];
+  }
+  return totals;
+}
+
+std::vector<CleaningTotal> RobotTotals::CollectCleaning() const {
+  std::vector<CleaningTotal> totals;
+  if (scene_ == nullptr) return totals;
+  const WorldDescription& world = scene_->world();
+  for (std::size_t i = 0; i < std::min(zones_.size(), world.zones.size()); ++i) {
+    if (world.zones[i].kind != ZoneKind::kCleaning) continue;
+    const std::size_t cells = CountCells(world.zones[i]);
+    totals.push_back(
+        {world.zones[i].name, cells > 0 ? static_cast<double>(zones_[i].covered) / static_cast<double>(cells) : 0.0});
+  }
+  return totals;
 }
 
 std::vector<RobotTotal> RobotTotals::Collect(std::size_t most) const {

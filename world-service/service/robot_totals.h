@@ -1,4 +1,5 @@
-// RobotTotals: distance, contacts and goals of each robot in a run, for the summary: an observer that adds them up.
+// RobotTotals: distance, contacts and goals of each robot in a run, the goods of its flows and the cover of its
+// cleaning zones, for the summary: an observer that adds them up.
 //
 // Counts begin at the newest fresh start, and at the start of a service that continues a run: totals are not
 // journalled, because they matter to readers of the summary only and would grow every record. Edits move robots without
@@ -41,6 +42,37 @@ struct RobotTotal {
   }
 };
 
+// The goods of a flow, from tick 0 on.
+struct FlowTotal {
+  std::string flow;
+  std::uint64_t arrived = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t delivered = 0;
+  std::uint64_t late = 0;     // of the delivered ones
+  double lateness = 0.0;      // s, the mean of these
+  double per_hour = 0.0;      // delivered in an hour of simulated time
+  std::uint64_t waiting = 0;  // for a robot, at the end
+  bool operator==(const FlowTotal&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"flow", &FlowTotal::flow},         Field{"arrived", &FlowTotal::arrived},
+        Field{"refused", &FlowTotal::refused},   Field{"delivered", &FlowTotal::delivered},
+        Field{"late", &FlowTotal::late},         Field{"lateness", &FlowTotal::lateness},
+        Field{"per_hour", &FlowTotal::per_hour}, Field{"waiting", &FlowTotal::waiting},
+    };
+  }
+};
+
+// A cleaning zone at the end.
+struct CleaningTotal {
+  std::string zone;
+  double share = 0.0;  // of its cells, on which robots were; from 0 to 1
+  bool operator==(const CleaningTotal&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{Field{"zone", &CleaningTotal::zone}, Field{"share", &CleaningTotal::share}};
+  }
+};
+
 class RobotTotals : public RunObserver {
  public:
   static constexpr std::size_t kMaxContacts = 5;
@@ -52,6 +84,8 @@ class RobotTotals : public RunObserver {
 
   // Of the first robots that exist, in id order; after the run.
   std::vector<RobotTotal> Collect(std::size_t most) const;
+  std::vector<FlowTotal> CollectFlows() const;
+  std::vector<CleaningTotal> CollectCleaning() const;
   // The tick at which they begin: that of the newest start, or at which a service continued the run.
   Tick since() const { return since_.value_or(0); }
 
@@ -73,8 +107,13 @@ class RobotTotals : public RunObserver {
 
   std::shared_ptr<const Scene> scene_;
   std::optional<Tick> since_;
-  std::vector<Counts> robots_;      // by RobotId
-  std::vector<StoreState> stores_;  // at the newest tick
+  std::vector<Counts> robots_;  // by RobotId
+  // At the newest tick.
+  Tick tick_ = 0;
+  std::vector<StoreState> stores_;
+  std::vector<FlowState> flows_;
+  std::vector<std::uint64_t> waiting_;  // goods, by flow
+  std::vector<ZoneState> zones_;
 };
 
 }  // namespace troupe

@@ -441,6 +441,8 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   if (summary.ok()) {
     summary.value().totals = totals.Collect(kMaxRobotTotals);
     summary.value().totals_since = totals.since();
+    summary.value().flows = totals.CollectFlows();
+    summary.value().cleaning = totals.CollectCleaning();
   }
   if (trace) note(trace->Close());
   if (summary.ok() && !failure.ok()) return failure.error();

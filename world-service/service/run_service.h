@@ -53,6 +53,8 @@ struct RunSummary {
   double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording
   std::vector<RobotTotal> totals;      // of the first kMaxRobotTotals robots
   std::uint64_t totals_since = 0;      // the tick from which on they count
+  std::vector<FlowTotal> flows;        // of goods
+  std::vector<CleaningTotal> cleaning;
 };
 inline constexpr std::size_t kMaxRobotTotals = 1000;
 

@@ -44,6 +44,13 @@ struct Notice {
   std::string operator()(const control::Light& light) const {
     return "light '" + light.name + (light.on ? "' is switched on" : "' is switched off");
   }
+  std::string operator()(const control::Lane& lane) const {
+    const char* const rule = lane.speed_limit == 0.0 ? "is closed" : lane.speed_limit < 0.0 ? "is open" : "has a limit";
+    return "lane '" + lane.from + " - " + lane.to + "' " + rule;
+  }
+  std::string operator()(const control::Zone& zone) const {
+    return "zone '" + zone.name + (zone.on ? "' is switched on" : "' is switched off");
+  }
 };
 
 }  // namespace

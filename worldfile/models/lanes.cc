@@ -79,6 +79,7 @@ class GraphMaker {
     made.position = vertex.position;
     made.z = level.elevation;
     made.is_charger = vertex.is_charger;
+    made.is_waiting_place = vertex.is_parking_spot || vertex.is_holding_point;
     made.dock = vertex.dock;
     made.mutex = vertex.mutex;
     const std::optional<std::size_t> lift =

@@ -336,6 +336,7 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
     CopyPeople(built.value().world, reduced.value().world);
     built = std::move(reduced);
   }
+  if (Status error = AddSiteEntries(file.site, built.value().world); !error.ok()) return error.error();
   if (Status error = PrepareForControllers(built.value(), path, overrides); !error.ok()) return error.error();
   return built;
 }

@@ -376,6 +376,12 @@ Result<ScenarioFile> Reader::Read() {
   } else if (!error_) {
     error_ = people.error();
   }
+  Result<SiteEntries> site = ReadSiteEntries(tree_, root);
+  if (site.ok()) {
+    file.site = std::move(site).value();
+  } else if (!error_) {
+    error_ = site.error();
+  }
   file.without = Texts(root, "without");
   if (error_) return *error_;
   return file;

@@ -21,6 +21,7 @@
 #include "troupe/result.h"
 #include "worldfile/models/build_world.h"
 #include "worldfile/scenario/people_entries.h"
+#include "worldfile/scenario/site_entries.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {
@@ -102,6 +103,7 @@ struct ScenarioFile {
   std::vector<NamedRegion> regions;
   std::vector<NamedExpectation> expectations;
   std::vector<PeopleEntry> people;
+  SiteEntries site;
   std::vector<PlacedText> without;  // robots and models that are left out, after all are placed
   std::vector<Warning> warnings;
 };

@@ -34,6 +34,11 @@ constexpr double kCabinThickness = 0.05;
 constexpr double kShaftGap = 0.05;
 constexpr double kCabinDoorInset = 0.025;
 
+// Speeds of the joints in the worlds that Open-RMF generates; its doors and cabins reach them gently, ours at once.
+constexpr double kSlidingSpeed = 0.2;  // m/s, of leaves
+constexpr double kTurningSpeed = 0.5;  // rad/s, of leaves
+constexpr double kCabinSpeed = 2.0;    // m/s
+
 constexpr double kLaneWidth = 0.06;  // of the stripe that shows a lane
 constexpr double kLaneHeight = 0.005;
 
@@ -197,12 +202,14 @@ class TreeMaker {
     // The direction is that in which the leaf turns about its own hinge, as traffic_editor draws it; a positive swing
     // is clockwise for a right leaf and counter-clockwise for a left one.
     const bool is_left_leaf = door.kind == DoorKind::kHinged && door.hinge_at_end;
+    const bool turns = door.kind == DoorKind::kHinged || door.kind == DoorKind::kDoubleHinged;
     const DoorDraft draft{.kind = door.kind,
                           .at_left = door.hinge_at_end,
                           .swing = door.opens_clockwise != is_left_leaf ? door.swing : -door.swing,
                           .ratio = door.right_left_ratio,
                           .opening = door.is_operated ? 1.0 : 0.0,
-                          .is_operated = door.is_operated};
+                          .is_operated = door.is_operated,
+                          .speed = turns ? kTurningSpeed : kSlidingSpeed};
     AddToWorld(DoorNode(DoorName(level, door), X_WD, (end - start).norm(), kDoorHeight, draft, door.edge.where));
   }
 
@@ -240,6 +247,7 @@ class TreeMaker {
     cabin.At(lift.X_WC);
     // One that nothing operates has only the floor at which it stands.
     LiftDraft draft;
+    draft.speed = kCabinSpeed;
     for (const SiteLiftDoor& door : lift.doors) draft.cabin_doors.push_back(CabinDoorName(lift, door));
     for (std::size_t i = 0; i < site_.levels.size(); ++i) {
       if (i != lift.initial_level && (lift.doors_at[i].empty() || !lift.is_operated)) continue;
@@ -278,7 +286,10 @@ class TreeMaker {
       const double distance = std::copysign((at_end_of_x ? w : d) + outwards, across);
       const Pose X_CD{at_end_of_x ? distance : along, at_end_of_x ? along : distance, 0.0, WrapAngle(door.heading)};
       const Pose X_WD = X_WC * X_CD;
-      const DoorDraft draft{.kind = DoorKind::kDoubleSliding, .opening = is_open ? 1.0 : 0.0, .is_operated = false};
+      const DoorDraft draft{.kind = DoorKind::kDoubleSliding,
+                            .opening = is_open ? 1.0 : 0.0,
+                            .is_operated = false,
+                            .speed = kSlidingSpeed};
       AddToWorld(DoorNode(name, X_WD, door.width, kCabinHeight, draft, lift.where));
     };
     const auto opens_at = [&](std::size_t level) {

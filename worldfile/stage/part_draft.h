@@ -32,6 +32,7 @@ struct DoorDraft {
   double ratio = 1.0;                 // widths of the right and the left leaf
   double opening = 0.0;               // at the start: from 0, closed, to 1
   bool is_operated = true;            // requests have an effect
+  double speed = 0.0;                 // m/s or rad/s, of its widest leaf; 0: the default of doors
 };
 
 struct LiftDraft {
@@ -42,6 +43,7 @@ struct LiftDraft {
   };
   std::vector<Floor> floors;
   std::vector<std::string> cabin_doors;  // models that move with the cabin
+  double speed = 0.0;                    // m/s; 0: the default of lifts
 };
 
 using PartDraft = std::variant<DoorDraft, LiftDraft>;

@@ -14,6 +14,8 @@ troupe_wire_InputColumns ToWire(const std::vector<Input>& inputs, WireArena& are
   OrdersToColumns<DoorOrder>(for_each, wire.doors, arena);
   OrdersToColumns<LiftOrder>(for_each, wire.lifts, arena);
   OrdersToColumns<TwistOrder>(for_each, wire.twists, arena);
+  OrdersToColumns<LaneOrder>(for_each, wire.lanes, arena);
+  OrdersToColumns<ZoneOrder>(for_each, wire.zones, arena);
   return wire;
 }
 
@@ -28,6 +30,8 @@ Status FromWire(const troupe_wire_InputColumns& wire, std::vector<Input>& inputs
   if (problem.ok()) problem = OrdersFromColumns<DoorOrder>("inputs of doors", wire.doors, add);
   if (problem.ok()) problem = OrdersFromColumns<LiftOrder>("inputs of lifts", wire.lifts, add);
   if (problem.ok()) problem = OrdersFromColumns<TwistOrder>("inputs of twists", wire.twists, add);
+  if (problem.ok()) problem = OrdersFromColumns<LaneOrder>("inputs of lanes", wire.lanes, add);
+  if (problem.ok()) problem = OrdersFromColumns<ZoneOrder>("inputs of zones", wire.zones, add);
   return problem;
 }
 

@@ -76,6 +76,8 @@ void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& 
   OrdersToColumns<DoorOrder>(for_each, wire.doors, arena);
   OrdersToColumns<LiftOrder>(for_each, wire.lifts, arena);
   OrdersToColumns<TrafficOrder>(for_each, wire.traffic, arena);
+  OrdersToColumns<ChargeOrder>(for_each, wire.charging, arena);
+  OrdersToColumns<JobOrder>(for_each, wire.jobs, arena);
 }
 
 Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
@@ -89,6 +91,8 @@ Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& p
   if (problem.ok()) problem = OrdersFromColumns<DoorOrder>("proposal of doors", wire.doors, add);
   if (problem.ok()) problem = OrdersFromColumns<LiftOrder>("proposal of lifts", wire.lifts, add);
   if (problem.ok()) problem = OrdersFromColumns<TrafficOrder>("proposal of traffic", wire.traffic, add);
+  if (problem.ok()) problem = OrdersFromColumns<ChargeOrder>("proposal of charging", wire.charging, add);
+  if (problem.ok()) problem = OrdersFromColumns<JobOrder>("proposal of jobs", wire.jobs, add);
   return problem;
 }
 
@@ -121,7 +125,7 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
 
 static_assert(kMemberCount<Proposal> == 6, "a new field of a proposal needs a column here");
 // A twist is an order of tools alone, which no proposal has.
-static_assert(std::variant_size_v<Order> == 6, "a new kind of order needs columns here, and in convert_order.cc");
+static_assert(std::variant_size_v<Order> == 10, "a new kind of order needs columns here, and in convert_order.cc");
 
 constexpr auto kMessages = [](auto& proposal) -> auto& {
   return proposal.messages;

@@ -145,6 +145,7 @@ class Viewer {
   private readonly things = new ThingList({
     select: entity => this.selectAndCenter(entity),
     showLevel: name => this.scene.chooseLevels(name),
+    send: (command, fields) => void this.sendSwitch(command, fields),
     refresh: () => this.refresh(),
     hint: robot => this.agentHint(robot),
   });
@@ -209,6 +210,13 @@ class Viewer {
       plots: () => this.plots,
       file: () => this.file,
     }, this.scene, this.connection);
+  }
+
+  // Of a zone or a lane.
+  private async sendSwitch(command: string, fields: object): Promise<void> {
+    if (this.info?.view_only) return;
+    const reply = await this.connection.request(command, fields);
+    if (!reply.done) toast(reply.problem, true);
   }
 
   private onSession(info: SessionInfo): void {

@@ -1,5 +1,5 @@
-// The list of the things of the world, of one kind at a time: robots with their states, doors, lifts, people, objects or
-// levels. From above a door is a pixel wide, and a person stands in a crowd: here both are found by name, since a search
+// The list of the things of the world, of one kind at a time: robots with their states, doors, lifts, people, objects,
+// levels, zones or lanes. A zone is switched, and a lane closed and opened, by its row. From above a door is a pixel wide, and a person stands in a crowd: here both are found by name, since a search
 // goes over all kinds. Rows are rebuilt only when the world, the kind, the searched name or the colours change; each frame
 // sets their texts and marks.
 import {isDark, robotColor} from './colors';
@@ -26,8 +26,10 @@ export function robotState(run: Run, robot: number, holding: boolean): RobotStat
 
 interface Thing {
   name: string;
-  entity: Entity | null;  // null: a level
+  entity: Entity | null;  // null: a level, zone or lane
   text: (run: Run, levels: Levels) => string;
+  request?: (run: Run) => [string, object];  // of the row of a zone or a lane
+  title?: string;
 }
 
 interface Row {
@@ -39,6 +41,7 @@ interface Row {
 interface Host {
   select: (entity: Entity) => void;
   showLevel: (name: string) => void;
+  send: (command: string, fields: object) => void;
   refresh: () => void;
   hint: (robot: string) => string;  // for the row of a robot, when the pointer comes to it
 }
@@ -51,6 +54,7 @@ export class ThingList {
   private things = new Map<Thing, Row>();  // of other kinds
   private kind = ROBOTS;
   private key = '';
+  private run: Run | null = null;
 
   constructor(private readonly host: Host) {
     this.list.onkeydown = event => {
@@ -64,6 +68,7 @@ export class ThingList {
   }
 
   show(run: Run, selected: Entity | null, levels: Levels): void {
+    this.run = run;
     const wanted = this.search.value.trim().toLowerCase();
     const key = `${run.world.number} ${this.kind} ${wanted} ${isDark()}`;
     if (key !== this.key) this.rebuild(run, wanted);
@@ -141,8 +146,10 @@ export class ThingList {
       row.element.append(make('span', 'robot-name', thing.name), row.state);
       row.element.onclick = () => {
         if (thing.entity) this.host.select(thing.entity);
-        else this.host.showLevel(thing.name);
+        else if (!thing.request) this.host.showLevel(thing.name);
+        else if (this.run) this.host.send(...thing.request(this.run));
       };
+      if (thing.title) row.element.title = thing.title;
       this.things.set(thing, row);
       this.list.append(row.element);
     }
@@ -171,7 +178,49 @@ function kindsOf(run: Run): Array<[string, Thing[]]> {
   const objects = world.objects.flatMap((model, i) => world.models[model].removed || parts.has(i) ? [] :
     [thing({kind: 'object', index: i}, now => OBJECT_MODES[now.objects[i]?.mode] ?? '')]);
   const levels = world.levels.map(({name}, i): Thing => ({name, entity: null, text: (now, all) => levelText(now, all, i)}));
-  return [['Doors', doors], ['Lifts', lifts], ['People', people], ['Objects', objects], ['Levels', levels.length > 1 ? levels : []]];
+  const zones = world.zones.map(({name}, i): Thing => ({
+    name, entity: null, text: now => zoneText(now, i), title: 'Switch it on or off',
+    request: now => ['zone', {name, on: !(now.zones[i]?.on ?? true)}],
+  }));
+  return [['Doors', doors], ['Lifts', lifts], ['People', people], ['Objects', objects], ['Levels', levels.length > 1 ? levels : []],
+    ['Zones', zones], ['Lanes', lanesOf(run)]];
+}
+
+// A row for all lanes between two vertices: a request is for all of them.
+function lanesOf(run: Run): Thing[] {
+  const things = new Map<string, Thing>();
+  let number = 0;
+  for (const {vertices, lanes} of run.world.laneGraphs) {
+    const nameOfVertex = (vertex: number): string => vertices[vertex].name || `vertex ${vertex}`;
+    for (const {start, end} of lanes) {
+      const lane = number++;
+      const [from, to] = [nameOfVertex(start), nameOfVertex(end)];
+      const name = `${from} - ${to}`;
+      if (things.has(name) || things.has(`${to} - ${from}`)) continue;
+      things.set(name, {
+        name, entity: null, text: now => laneText(now, lane), title: 'Close it for robots, or open it again',
+        request: now => ['lane', {from, to, speed_limit: limitOf(now, lane) === 0 ? -1 : 0}],
+      });
+    }
+  }
+  return [...things.values()];
+}
+
+function limitOf(run: Run, lane: number): number | undefined {
+  return run.laneRules.find(rule => rule.lane === lane)?.speedLimit;
+}
+
+function laneText(run: Run, lane: number): string {
+  const limit = limitOf(run, lane);
+  return limit === undefined ? 'open' : limit === 0 ? 'closed' : `${fixed(limit, 2)} m/s`;
+}
+
+const ZONE_KINDS = ['keepout', 'speed', 'cleaning'];
+
+function zoneText(run: Run, zone: number): string {
+  const {kind, speedLimit} = run.world.zones[zone];
+  const effect = ZONE_KINDS[kind] === 'speed' ? `${fixed(speedLimit, 2)} m/s` : ZONE_KINDS[kind];
+  return `${effect}, ${run.zones[zone]?.on ?? true ? 'on' : 'off'}`;
 }
 
 function personText(run: Run, person: number): string {

@@ -163,6 +163,10 @@ class LauncherReporter final : public Reporter {
     }
     Json totals = Json::array();
     for (const RobotTotal& total : summary.totals) totals.push_back(FieldsToJson<Json>(total));
+    Json flows = Json::array();
+    for (const FlowTotal& flow : summary.flows) flows.push_back(FieldsToJson<Json>(flow));
+    Json cleaning = Json::array();
+    for (const CleaningTotal& zone : summary.cleaning) cleaning.push_back(FieldsToJson<Json>(zone));
     Send({{"type", "end"},
           {"ticks", summary.ticks},
           {"sim_seconds", summary.sim_seconds},
@@ -181,7 +185,9 @@ class LauncherReporter final : public Reporter {
           {"interrupted", summary.interrupted},
           {"record_waited_seconds", summary.record_waited_seconds},
           {"totals", std::move(totals)},
-          {"totals_since", summary.totals_since}});
+          {"totals_since", summary.totals_since},
+          {"flows", std::move(flows)},
+          {"cleaning", std::move(cleaning)}});
   }
   void Failed(const Error& error) override {
     Send({{"type", "error"}, {"message", error.ToString()}});

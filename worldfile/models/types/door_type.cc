@@ -17,7 +17,8 @@
 namespace troupe {
 namespace {
 
-constexpr double kLeafGap = 0.01;  // m, between the widths of a leaf and of its part of the doorway
+constexpr double kLeastSeconds = 1e-3;  // of a door from closed to open
+constexpr double kLeafGap = 0.01;       // m, between the widths of a leaf and of its part of the doorway
 
 // A leaf in frame D of the doorway: at its middle on the floor, x along it to the right, y to the back.
 struct LeafPlan {
@@ -71,9 +72,19 @@ class DoorReader : public ModelReader {
     } else {
       leaves_ = {SlidingLeaf(0.0, width, at_left ? -width : width)};
     }
+    if (door.speed > 0.0) {
+      double way = 0.0;  // m or rad, of the leaf that has most of it
+      for (const LeafPlan& leaf : leaves_) way = std::max({way, std::fabs(leaf.turn), std::fabs(leaf.shift)});
+      door_.seconds = std::max(way / door.speed, kLeastSeconds);
+    }
     door_.opening = door.opening;
     door_.is_operated = door.is_operated;
     ReadFields(reader, door_);
+    if (door_.sensor_depth > 0.0 && door_.sensor_width == 0.0) door_.sensor_width = width;
+    if (door_.sensor_width > 0.0 && door_.sensor_depth == 0.0) {
+      context.diagnostics.Fail(reader.Where("sensor_width"),
+                               "found a 'sensor_width' alone, expected a 'sensor_depth' above 0, too");
+    }
     if (draft.robot || draft.model.gripper_return) {
       context.diagnostics.Fail(
           draft.node.where, "found a 'door' on a robot, or that can be gripped, expected one at a place of the world");

@@ -46,6 +46,7 @@ class LiftReader : public ModelReader {
     if (lift_.floors[lift_.floor].z != draft.X_WM.z) {
       return fail("pose", "found a 'lift' at none of its 'heights', expected its z to be one of them");
     }
+    if (draft_.speed > 0.0) lift_.speed = draft_.speed;
     ReadFields(reader, lift_);
     if (reader.node().Find("cabin_doors") != nullptr) draft_.cabin_doors = reader.Texts("cabin_doors");
     if (reader.node().Find("floor_doors") != nullptr) ReadFloorDoors(reader);
@@ -86,6 +87,8 @@ class LiftReader : public ModelReader {
       for (const std::size_t door : floor.doors) {
         context.world.doors[door].is_operated = false;
         context.world.doors[door].detection_radius = 0.0;
+        context.world.doors[door].sensor_depth = 0.0;
+        context.world.doors[door].reopens = false;
       }
     }
     context.world.lifts.push_back(std::move(lift_));

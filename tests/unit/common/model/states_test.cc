@@ -80,6 +80,13 @@ TEST(CheckStateTest, StatesThatDoNotBelongToTheWorldAreRefused) {
        }},
       {"a door that the world does not have", [](WorldState& s) { s.doors.resize(1); }},
       {"a lift that the world does not have", [](WorldState& s) { s.lifts.resize(1); }},
+      {"a zone that the world does not have", [](WorldState& s) { s.zones.resize(1); }},
+      {"cells that the world does not have", [](WorldState& s) { s.coverage.resize(1); }},
+      {"a flow that the world does not have", [](WorldState& s) { s.flows.resize(1); }},
+      {"a rule of a lane that the world does not have", [](WorldState& s) { s.lane_rules.resize(1); }},
+      {"a charger that the world does not have",
+       [](WorldState& s) { s.charging_robots = {{.robot = RobotId(0), .vertex = 0}}; }},
+      {"goods of a flow that the world does not have", [](WorldState& s) { s.jobs.resize(1); }},
   };
   for (const Case& bad : cases) {
     WorldState state = SomeState();
@@ -104,6 +111,10 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
   world.goal_sets.resize(1);
   world.people.push_back({.root = ModelId(0)});
   state.people.resize(1);
+  LaneGraph& graph = world.lane_graphs.emplace_back();
+  graph.vertices.resize(2);
+  graph.lanes.push_back({.start = 0, .end = 1});
+  state.lane_rules.resize(1);
   ASSERT_TRUE(CheckState(world, devices, state).ok());
   int numbers = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
@@ -116,7 +127,7 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
       }
     });
   });
-  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2 + 2 + 1 + 6);
+  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2 + 2 + 1 + 6 + 1);
 }
 
 WorldState HashedState() {

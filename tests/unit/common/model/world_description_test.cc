@@ -163,6 +163,10 @@ WorldDescription WorldOfEachRow() {
   world.lane_graphs[0].vertices[0].lift = 0;
   one(world.lane_graphs[0].lanes);
   one(world.lane_graphs[0].lanes[0].doors);
+  one(world.zones);
+  one(world.zones[0].outline);
+  one(world.flows);
+  one(world.timed_actions);
   return world;
 }
 
@@ -287,6 +291,13 @@ TEST(Validate, NamesTheFaultOfASite) {
       {[](auto& w) { w.lane_graphs[0].vertices[1].z = kInfinity; },
        "lane_graphs.0.vertices.1.z: found inf, expected at most 1e+06 in size"},
       {[](auto& w) { w.lane_graphs[0].vertices[0].lift = 0; }, "lanes 0: vertex 0: its lift does not exist"},
+      {[](auto& w) {
+         w.zones.push_back({.name = "z", .outline = {{0.0, 0.0}, {1.0, 0.0}}});
+       },
+       "zone 0: its outline is no normalized polygon"},
+      {[](auto& w) { w.flows.push_back({.from = "a", .to = "a"}); }, "flow 0: it goes nowhere"},
+      {[](auto& w) { w.timed_actions.push_back({.kind = TimedKind::kZone, .number = 5}); },
+       "timed action 0: its zone does not exist"},
       {[](auto& w) { w.lane_graphs[0].lanes[0].end = 2; }, "lanes 0: lane 0: an end of it does not exist"},
       {[](auto& w) { w.lane_graphs[0].lanes[0].end = 0; }, "lanes 0: lane 0: its ends are one vertex"},
       {[](auto& w) { w.lane_graphs[0].lanes[0].speed_limit = -1.0; },

@@ -205,12 +205,18 @@ FrameMessage FrameWithEveryField() {
   frame.state.lights = {{false}, {true}};
   frame.state.cameras = {{0.5, -0.25}};
   frame.state.transmissions = {{RobotId(1), 1, 9, 3, {2, RobotId(0), {1, 2, 3}}}, {.from = RobotId(0)}};
-  frame.state.doors = {{0.25, 1.0, true, false}, {}};
-  frame.state.lifts = {{1.5, 2, RobotId(1), true}, {}};
+  frame.state.doors = {{0.25, 1.0, true, false, 3}, {}};
+  frame.state.lifts = {{1.5, 2, RobotId(1), true, true}, {}};
   frame.state.people = {{{1.0, 2.0, 3.0, 0.25}, 0.5, -0.5, 1, 2, 3, 4, 5}, {}};
   frame.state.traffic_robots = {{.robot = RobotId(1), .at = 2, .goal = 3, .since = 4, .waits_for = RobotId(0)}};
   frame.state.traffic_moves = {{RobotId(1), 5, 6, true}};
   frame.state.lane_closures = {{7, 8, 9}};
+  frame.state.lane_rules = {{3, 0.5}};
+  frame.state.zones = {{false, 7}, {}};
+  frame.state.coverage = {{10}, {11}};
+  frame.state.charging_robots = {{RobotId(1), 5, 9, true}};
+  frame.state.flows = {{1, 2, 3, 4, 5}};
+  frame.state.jobs = {{0, 1, 2, 3, RobotId(1), true}};
   frame.events = {{2, EventType::kGripped, RobotId(1), ModelId(5), "text", ModelId(6)}};
   frame.commands = {{.robot = RobotId(1), .twist = Twist{0.5, 1.0, 1.5}, .grippers = {{0, 50.0, std::nullopt}}}};
   return frame;
@@ -223,7 +229,8 @@ ProposalMessage ProposalWithEveryField() {
                         .twist = {},
                         .messages = {{1, std::nullopt, {7, 8}}, {2, RobotId(4), {9}}},
                         .orders = {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, -0.5},
-                                   DoorOrder{1, 0.5}, LiftOrder{0, 2, false}, TrafficOrder{1, 2, true, 3, 0.5, false}},
+                                   DoorOrder{1, 0.5}, LiftOrder{0, 2, false}, TrafficOrder{1, 2, true, 3, 0.5, false},
+                                   ChargeOrder{4, true}, JobOrder{true, false, true}},
                         .say = "hello"}};
   message.reports = {"a report"};
   message.edition = 6;

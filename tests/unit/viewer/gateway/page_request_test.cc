@@ -50,6 +50,11 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
   const PageControl light =
       Control(R"({"type": "control", "id": 1, "command": "light", "name": "r0.lamp", "on": false})");
   EXPECT_EQ(light.request, control::Request(control::Light{"r0.lamp", false}));
+  const PageControl lane =
+      Control(R"({"type": "control", "id": 1, "command": "lane", "from": "a", "to": "b", "speed_limit": 0.5})");
+  EXPECT_EQ(lane.request, control::Request(control::Lane{"a", "b", 0.5}));
+  const PageControl zone = Control(R"({"type": "control", "id": 1, "command": "zone", "name": "wet", "on": true})");
+  EXPECT_EQ(zone.request, control::Request(control::Zone{"wet", true}));
 }
 
 TEST(PageRequestTest, AsksForSignals) {
@@ -391,7 +396,8 @@ TEST(FoxgloveProtocolTest, BodiesAreInFramesThatTransformsMove) {
   for (const Channel& channel : channels) topics.push_back(channel.topic);
   EXPECT_THAT(topics, testing::ElementsAre("/scene", "/tf", "/map", "/events", "/r0/ranger:0", "/tables/robots",
                                            "/tables/transmissions", "/tables/traffic_robots", "/tables/traffic_moves",
-                                           "/tables/lane_closures", "/tables/sensors"))
+                                           "/tables/lane_closures", "/tables/lane_rules", "/tables/charging_robots",
+                                           "/tables/jobs", "/tables/sensors"))
       << "single rays have no scan";
 
   const auto text = nlohmann::json::parse(SceneText(scene, 1'500'000'000));

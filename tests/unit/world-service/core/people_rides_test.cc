@@ -97,6 +97,63 @@ std::size_t Level(const PeopleRun& run, PersonId person) {
   return run.scene->walk_routes().LevelAt(run.state.people[person.index()].X_WP.z);
 }
 
+// A lift of two, or of the mass of two, is never fuller, and all get up in the end.
+TEST(PeopleInLifts, ACrowdRidesInPartsOfWhatTheLiftCarries) {
+  for (const bool by_mass : {false, true}) {
+    HouseWorld house(2);
+    if (by_mass) {
+      house.world.lifts[kLift].max_load = 160.0;
+    } else {
+      house.world.lifts[kLift].capacity = 2;
+    }
+    std::vector<PersonId> crowd;
+    for (int i = 0; i < 5; ++i) {
+      const double y = 2.0 + 1.0 * i;
+      crowd.push_back(house.AddPersonOn(0, {4.0, y}, house.AddTour({{{12.0, y}, 1}})));
+    }
+    PeopleRun run(house.world);
+    std::size_t most = 0;
+    const auto all_up = [&] {
+      std::size_t inside = 0;
+      for (const PersonId person : crowd) {
+        const PersonState& row = run.state.people[person.index()];
+        const LiftPortal& portal = run.scene->walk_routes().portals().lifts[kLift];
+        inside += portal.IsInside(run.Place(person), row.X_WP.z - run.state.lifts[kLift].z) ? 1 : 0;
+      }
+      most = std::max(most, inside);
+      return std::all_of(crowd.begin(), crowd.end(), [&](PersonId person) { return Level(run, person) == 1; });
+    };
+    EXPECT_TRUE(run.StepUntil(4000, all_up)) << by_mass;
+    EXPECT_EQ(most, 2U) << by_mass;
+  }
+}
+
+// Three in the cabin of a lift for two: the last one gets out, the others ride.
+TEST(PeopleInLifts, OfTooManyInTheCabinOneGetsOut) {
+  HouseWorld house(2);
+  house.world.lifts[kLift].capacity = 2;
+  const std::uint32_t up = house.AddTour({{{12.0, 5.0}, 1}});
+  std::vector<PersonId> crowd;
+  for (int i = 0; i < 3; ++i) crowd.push_back(house.AddPersonOn(0, {4.0, 3.0 + i}, up));
+  PeopleRun run(house.world);
+  const LiftPortal& portal = run.scene->walk_routes().portals().lifts[kLift];
+  ASSERT_GE(portal.places.size(), 3U);
+  for (std::size_t i = 0; i < crowd.size(); ++i) {
+    Pose& X_WP = run.state.people[crowd[i].index()].X_WP;
+    X_WP.x = portal.places[i].x();
+    X_WP.y = portal.places[i].y();
+    X_WP.z = run.state.lifts[kLift].z;
+  }
+  bool was_overloaded = false;
+  EXPECT_TRUE(run.StepUntil(1500, [&] {
+    was_overloaded = was_overloaded || run.state.lifts[kLift].overloaded;
+    std::size_t upstairs = 0;
+    for (const PersonId person : crowd) upstairs += Level(run, person) == 1 ? 1 : 0;
+    return upstairs == crowd.size();
+  }));
+  EXPECT_TRUE(was_overloaded);
+}
+
 TEST(PeopleInLifts, APersonRidesToAGoalOnAnotherLevelAndBack) {
   HouseWorld house(3);
   const std::uint32_t tour = house.AddTour({{{12.0, 7.0}, 2}, {{4.0, 2.0}, 0}});

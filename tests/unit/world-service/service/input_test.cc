@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/model/lane_rules.h"
 #include "recording/recording.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/edits.h"
@@ -72,6 +73,8 @@ TEST_F(InputTest, RefusesWhatTheWorldDoesNotHave) {
   EXPECT_THAT(SetTwist("r0", 1e6).problem, HasSubstr("cannot have"));
   EXPECT_THAT(Ask(control::Door{.name = "gate", .opening = 1.0}).problem, HasSubstr("no door 'gate'"));
   EXPECT_THAT(Ask(control::Lift{.name = "up", .floor = "L1"}).problem, HasSubstr("no lift 'up'"));
+  EXPECT_THAT(Ask(control::Lane{.from = "a", .to = "b"}).problem, HasSubstr("no lane from 'a' to 'b'"));
+  EXPECT_THAT(Ask(control::Zone{.name = "wet"}).problem, HasSubstr("no zone 'wet'"));
   EXPECT_TRUE(log_.waiting.empty());
 }
 
@@ -132,6 +135,13 @@ TEST(InputsOfARun, AreRecordedAndReplayed) {
     EXPECT_EQ(run.frame().state.doors[*FindDoor(Scenario("../sites/guesthouse_lanes.json"), "room_1_door")].target,
               1.0);
     EXPECT_TRUE(run.Ask(control::Lift{.name = "guest_lift", .floor = "L2"}).done);
+    const LaneGraph graph = Scenario("../sites/guesthouse_lanes.json").lane_graphs[0];
+    const Lane& lane = graph.lanes[0];
+    const auto name = [&](std::size_t vertex) { return NameOfVertex(graph, vertex); };
+    EXPECT_TRUE(run.Ask(control::Lane{.from = name(lane.end), .to = name(lane.start), .speed_limit = 0.0}).done);
+    run.Step(1);
+    EXPECT_THAT(run.frame().state.lane_rules, testing::Not(testing::IsEmpty()));
+    EXPECT_EQ(run.frame().state.lane_rules[0], (LaneRule{0, 0.0}));
     run.Step(20);
     EXPECT_EQ(run.frame().edition, 0u);
     hashes = run.Hashes();

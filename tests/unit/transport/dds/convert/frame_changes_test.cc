@@ -109,6 +109,11 @@ class Changes {
     state.traffic_moves.resize(Below(4));
     for (TrafficMove& move : state.traffic_moves) move.robot = RobotId(Below(state.robots.size()));
     state.lane_closures.assign(Below(3), {1, 9, 3});
+    state.lane_rules.assign(Below(3), {2, 0.5});
+    state.charging_robots.resize(Below(4));
+    for (ChargingRobot& robot : state.charging_robots) robot.robot = RobotId(Below(state.robots.size()));
+    state.jobs.assign(Below(3), {.flow = 1, .number = 2, .since = 3, .due = 4});
+    for (CoverageState& row : state.coverage) row.cells |= Chance(0.2) ? 1U << Below(32) : 0U;
   }
 
  private:

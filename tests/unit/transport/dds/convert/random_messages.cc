@@ -228,7 +228,11 @@ FrameMessage RandomMessages::Frame() {
     state.transmissions.clear();
     state.traffic_robots.clear();
     state.traffic_moves.clear();
+    state.charging_robots.clear();
+    state.jobs.clear();
   }
+  for (ChargingRobot& robot : state.charging_robots) robot.robot = RobotId(Below(state.robots.size()));
+  for (Job& job : state.jobs) job.robot = MaybeId<RobotId>(state.robots.size());
   for (TrafficRobot& robot : state.traffic_robots) robot.robot = RobotId(Below(state.robots.size()));
   for (TrafficMove& move : state.traffic_moves) move.robot = RobotId(Below(state.robots.size()));
   for (RadioTransmission& transmission : state.transmissions) {
@@ -306,6 +310,9 @@ ProposalMessage RandomMessages::Proposal() {
     for (std::size_t i = Below(2); i > 0; --i) {
       orders.push_back(TrafficOrder{static_cast<std::uint32_t>(Below(50)), {}, Coin(), 3, Number(), Coin()});
     }
+    for (std::size_t i = Below(2); i > 0; --i)
+      orders.push_back(ChargeOrder{static_cast<std::uint32_t>(Below(50)), Coin()});
+    for (std::size_t i = Below(2); i > 0; --i) orders.push_back(JobOrder{Coin(), Coin(), Coin()});
     if (Coin()) message.proposals.back().say = Text();
     robot += 1 + Below(10);
   }

@@ -1,0 +1,149 @@
+#include "common/model/lane_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/model/zones.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kSamePlace = 0.05;  // m, between ends of lanes of two graphs
+
+bool AreAtOnePlace(const LaneVertex& a, const LaneVertex& b) {
+  return (a.position - b.position).norm() < kSamePlace && std::fabs(a.z - b.z) < kSamePlace;
+}
+
+const LaneRule* RuleOf(const WorldState& state, std::uint32_t lane) {
+  const auto rule = std::lower_bound(state.lane_rules.begin(), state.lane_rules.end(), lane,
+                                     [](const LaneRule& a, std::uint32_t b) { return a.lane < b; });
+  return rule != state.lane_rules.end() && rule->lane == lane ? &*rule : nullptr;
+}
+
+}  // namespace
+
+std::size_t CountLanes(const WorldDescription& world) {
+  std::size_t count = 0;
+  for (const LaneGraph& graph : world.lane_graphs) count += graph.lanes.size();
+  return count;
+}
+
+NumberedLane LaneOf(const WorldDescription& world, std::size_t number) {
+  for (const LaneGraph& graph : world.lane_graphs) {
+    if (number < graph.lanes.size()) return {&graph, number};
+    number -= graph.lanes.size();
+  }
+  return {};
+}
+
+std::size_t FirstLaneOf(const WorldDescription& world, const LaneGraph& graph) {
+  std::size_t first = 0;
+  for (const LaneGraph& each : world.lane_graphs) {
+    if (each.number == graph.number) break;
+    first += each.lanes.size();
+  }
+  return first;
+}
+
+std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph) {
+  std::size_t first = 0;
+  for (const LaneGraph& each : world.lane_graphs) {
+    if (each.number == graph.number) break;
+    first += each.vertices.size();
+  }
+  return first;
+}
+
+std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex) {
+  const std::string& name = graph.vertices[vertex].name;
+  return name.empty() ? "vertex " + std::to_string(vertex) : name;
+}
+
+std::string NameOfLane(const WorldDescription& world, std::size_t number) {
+  const NumberedLane lane = LaneOf(world, number);
+  return NameOfVertex(*lane.graph, (*lane).start) + " - " + NameOfVertex(*lane.graph, (*lane).end);
+}
+
+std::optional<std::uint32_t> FindLane(const WorldDescription& world, const std::string& from, const std::string& to) {
+  std::uint32_t number = 0;
+  for (const LaneGraph& graph : world.lane_graphs) {
+    for (const Lane& lane : graph.lanes) {
+      const std::string start = NameOfVertex(graph, lane.start);
+      const std::string end = NameOfVertex(graph, lane.end);
+      if ((start == from && end == to) || (start == to && end == from)) return number;
+      ++number;
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::uint32_t> LanesOnLine(const WorldDescription& world, std::size_t number) {
+  const NumberedLane lane = LaneOf(world, number);
+  std::vector<std::uint32_t> lanes;
+  std::uint32_t other = 0;
+  for (const LaneGraph& graph : world.lane_graphs) {
+    for (const Lane& each : graph.lanes) {
+      const LaneVertex& start = graph.vertices[each.start];
+      const LaneVertex& end = graph.vertices[each.end];
+      const bool is_same = AreAtOnePlace(start, lane.start()) && AreAtOnePlace(end, lane.end());
+      if (is_same || (AreAtOnePlace(start, lane.end()) && AreAtOnePlace(end, lane.start()))) lanes.push_back(other);
+      ++other;
+    }
+  }
+  return lanes;
+}
+
+std::vector<std::uint32_t> ClosedLanesFor(const WorldDescription& world, const WorldState& state,
+                                          std::span<const Pose> poses) {
+  std::vector<std::uint32_t> closed;
+  for (const LaneRule& rule : state.lane_rules) {
+    if (rule.speed_limit == 0.0) closed.push_back(rule.lane);
+  }
+  for (std::size_t i = 0; i < world.zones.size(); ++i) {
+    const ZoneDescription& zone = world.zones[i];
+    if (zone.kind != ZoneKind::kKeepout || !state.zones[i].is_on) continue;
+    const auto is_in = [&](const Pose& pose) { return IsInZone(world, zone, pose.translation(), pose.z); };
+    if (std::any_of(poses.begin(), poses.end(), is_in)) continue;
+    std::uint32_t number = 0;
+    for (const LaneGraph& graph : world.lane_graphs) {
+      for (const Lane& lane : graph.lanes) {
+        const LaneVertex& start = graph.vertices[lane.start];
+        if (CrossesZone(world, zone, start.position, graph.vertices[lane.end].position, start.z)) {
+          closed.push_back(number);
+        }
+        ++number;
+      }
+    }
+  }
+  std::sort(closed.begin(), closed.end());
+  closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
+  return closed;
+}
+
+bool IsLaneClosed(const WorldDescription& world, const WorldState& state, std::uint32_t lane) {
+  const LaneRule* const rule = RuleOf(state, lane);
+  if (rule != nullptr && rule->speed_limit == 0.0) return true;
+  const NumberedLane numbered = LaneOf(world, lane);
+  for (std::size_t i = 0; i < world.zones.size(); ++i) {
+    if (world.zones[i].kind != ZoneKind::kKeepout || !state.zones[i].is_on) continue;
+    const LaneVertex& start = numbered.start();
+    if (CrossesZone(world, world.zones[i], start.position, numbered.end().position, start.z)) return true;
+  }
+  return false;
+}
+
+double SpeedLimitAt(const WorldDescription& world, const WorldState& state, std::optional<std::uint32_t> lane,
+                    const Vec2& point, double z) {
+  double limit = std::numeric_limits<double>::infinity();
+  const LaneRule* const rule = lane ? RuleOf(state, *lane) : nullptr;
+  if (rule != nullptr && rule->speed_limit > 0.0) limit = rule->speed_limit;
+  for (std::size_t i = 0; i < world.zones.size(); ++i) {
+    const ZoneDescription& zone = world.zones[i];
+    if (zone.kind != ZoneKind::kSpeed || !state.zones[i].is_on) continue;
+    if (IsInZone(world, zone, point, z)) limit = std::min(limit, zone.speed_limit);
+  }
+  return limit;
+}
+
+}  // namespace troupe

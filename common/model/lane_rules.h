@@ -1,0 +1,53 @@
+// The lanes of all graphs of a world as one row of numbers, and what an operator has ruled about them in a run: closed
+// lanes, limits of speed, and zones that are on (troupe/site_state.h).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "troupe/world_state.h"
+
+namespace troupe {
+
+// A lane by its number through all graphs.
+struct NumberedLane {
+  const LaneGraph* graph = nullptr;
+  std::size_t lane = 0;  // in LaneGraph::lanes
+  const Lane& operator*() const { return graph->lanes[lane]; }
+  const LaneVertex& start() const { return graph->vertices[graph->lanes[lane].start]; }
+  const LaneVertex& end() const { return graph->vertices[graph->lanes[lane].end]; }
+};
+std::size_t CountLanes(const WorldDescription& world);
+// REQUIRES: number < CountLanes(world)
+NumberedLane LaneOf(const WorldDescription& world, std::size_t number);
+// The number of the first lane or vertex of a graph of the world.
+std::size_t FirstLaneOf(const WorldDescription& world, const LaneGraph& graph);
+std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph);
+
+// "dock", or "vertex 3" of one without a name.
+std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex);
+// "dock - hall".
+std::string NameOfLane(const WorldDescription& world, std::size_t number);
+// The first lane between vertices of these names, in any direction.
+std::optional<std::uint32_t> FindLane(const WorldDescription& world, const std::string& from, const std::string& to);
+
+// The lanes on the same line as this one, itself included: of all graphs and in both directions.
+std::vector<std::uint32_t> LanesOnLine(const WorldDescription& world, std::size_t number);
+
+// The lanes that no robot begins, ascending: those that are closed, and those on or through a keepout zone that is on.
+// One of the robots at `poses` that is in such a zone may leave it: then its lanes do not count.
+std::vector<std::uint32_t> ClosedLanesFor(const WorldDescription& world, const WorldState& state,
+                                          std::span<const Pose> poses);
+
+// A lane is closed, or a keepout zone that is on is on it.
+bool IsLaneClosed(const WorldDescription& world, const WorldState& state, std::uint32_t lane);
+
+// The limit of the speed at a point, m/s: of a lane, if the point is on one, and of the speed zones that are on.
+// Infinity: none.
+double SpeedLimitAt(const WorldDescription& world, const WorldState& state, std::optional<std::uint32_t> lane,
+                    const Vec2& point, double z);
+
+}  // namespace troupe
