@@ -83,6 +83,7 @@ StateTable MakeLanes() {
                    return std::all_of(doors.begin(), doors.end(),
                                       [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; });
                  });
+  AddWaitSignals(table);
   return table;
 }
 
@@ -120,12 +121,6 @@ StateTable MakeSensors() {
     return view.state.tick % SensorOf(view, row).period_ticks == 0;
   });
   return table;
-}
-
-// "dock", or "vertex 3" of one without a name.
-std::string NameOfVertex(const LaneGraph& graph, std::uint32_t vertex) {
-  const std::string& name = graph.vertices[vertex].name;
-  return name.empty() ? "vertex " + std::to_string(vertex) : name;
 }
 
 }  // namespace
@@ -166,10 +161,7 @@ std::vector<std::vector<ThingName>> NameDescribedThings(const WorldDescription& 
   std::vector<std::vector<ThingName>> names(3);
   for (const LevelDescription& level : world.levels) names[0].push_back({level.name});
   for (const LaneRow& place : FindLanes(world)) {
-    const LaneGraph& graph = world.lane_graphs[place.graph];
-    const Lane& lane = graph.lanes[place.lane];
-    names[1].push_back({std::to_string(graph.number) + ": " + NameOfVertex(graph, lane.start) + " - " +
-                        NameOfVertex(graph, lane.end)});
+    names[1].push_back({NameOfLane(world.lane_graphs[place.graph], place.lane)});
   }
   for (const SensorPlace& place : FindSensors(world)) {
     const RobotDescription& robot = world.robot(place.robot);

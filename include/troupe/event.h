@@ -36,17 +36,28 @@ enum class EventType : std::uint8_t {
   kPersonBoarded = 19,   // the person is in the cabin of the lift `other`; `detail` is the lift's floor
   kPersonAlighted = 20,  // the person has left that cabin
   kPersonArrived = 21,   // the person has reached a goal of the set `detail`
+  // Of robots on their ways (RobotWait).
+  kWaitBegan = 22,       // the robot has waited for 10 s, for `other` or before the lane `detail`
+  kWaitEnded = 23,       // it goes on, after a wait that was told; `detail` has its duration
+  kDeadlockBroken = 24,  // the robot goes on; the robots `detail` had waited for each other
+  kReplanned = 25,       // the robot has met `other` on a lane, which is closed for a time; `detail` names it
+  kNoWay = 26,           // the robot has had no way to its goal for 10 s; `detail` names the goal
 };
 // The events of doors, lifts and people: they are frequent, and summaries count them instead of telling each.
 constexpr bool IsOfBuilding(EventType type) {
-  return type >= EventType::kDoorOpened;
+  return type >= EventType::kDoorOpened && type <= EventType::kPersonArrived;
+}
+// The events of robots on their ways, which are frequent, too.
+constexpr bool IsOfTraffic(EventType type) {
+  return type >= EventType::kWaitBegan;
 }
 constexpr auto NamesOf(EventType) {
   return std::array{"stall_began",     "stall_ended",   "joined",       "left",         "proposal_rejected",
                     "blocked",         "gripped",       "released",     "landed",       "unstable",
                     "out_of_energy",   "said",          "reported",     "door_opened",  "door_closed",
                     "door_blocked",    "lift_left",     "lift_arrived", "lift_blocked", "person_boarded",
-                    "person_alighted", "person_arrived"};
+                    "person_alighted", "person_arrived", "wait_began",   "wait_ended",   "deadlock_broken",
+                    "replanned",       "no_way"};
 }
 
 struct Event {

@@ -101,6 +101,19 @@ struct TrafficOrder {
   }
 };
 
+// Of a robot that stands on its way to a goal, in each tick in which it does (RobotWait).
+struct WaitOrder {
+  std::optional<ModelId> thing = {};       // for which it waits; nothing: it does not know
+  std::optional<std::uint32_t> lane = {};  // on which it cannot go on, counted through all graphs
+  bool operator==(const WaitOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"thing", &WaitOrder::thing},
+        Field{"lane", &WaitOrder::lane},
+    };
+  }
+};
+
 // Sets the velocity of a robot at the end of the tick, from which its drive accelerates. Of tools only.
 struct TwistOrder {
   Twist twist = {};  // in R, within the limits of the drive
@@ -108,7 +121,7 @@ struct TwistOrder {
   static constexpr auto Fields() { return std::tuple{Field{"twist", &TwistOrder::twist}}; }
 };
 
-using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder, TrafficOrder>;
+using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder, TrafficOrder, WaitOrder>;
 
 // An order from outside of the simulation, for one tick.
 struct Input {

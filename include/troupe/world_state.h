@@ -241,6 +241,7 @@ struct WorldState {
   std::vector<TrafficRobot> traffic_robots = {};  // ascending
   std::vector<TrafficMove> traffic_moves = {};    // in the order of the plan
   std::vector<LaneClosure> lane_closures = {};    // ascending
+  std::vector<RobotWait> waits = {};              // ascending
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -260,6 +261,7 @@ struct WorldState {
         Field{"traffic_robots", &WorldState::traffic_robots, "robots that take part in the planned traffic of lanes"},
         Field{"traffic_moves", &WorldState::traffic_moves, "of these robots, in the order of the plan"},
         Field{"lane_closures", &WorldState::lane_closures, "lanes that the plan does not use"},
+        Field{"waits", &WorldState::waits, "robots that wait on their ways to goals"},
     };
   }
 };
@@ -267,7 +269,8 @@ struct WorldState {
 // The tables with another number of rows in each tick.
 template <typename Row>
 inline constexpr bool kIsVaryingTable = std::is_same_v<Row, RadioTransmission> || std::is_same_v<Row, TrafficRobot> ||
-                                        std::is_same_v<Row, TrafficMove> || std::is_same_v<Row, LaneClosure>;
+                                        std::is_same_v<Row, TrafficMove> || std::is_same_v<Row, LaneClosure> ||
+                                        std::is_same_v<Row, RobotWait>;
 
 // Calls visit(table) for each field that is a list of rows: Field<WorldState, std::vector<Row>>.
 template <typename Visit>

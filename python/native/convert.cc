@@ -242,9 +242,12 @@ void ForEach(py::handle rows, const char* what, Add&& add) {
 
 Order ToOrder(py::handle row) {
   const auto is = [row](const char* record) { return py::isinstance(row, Record(record)); };
-  if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder") && !is("TrafficOrder")) {
-    throw py::type_error(fmt::format(
-        "orders: found {}, expected LightOrder, CameraOrder, DoorOrder, LiftOrder or TrafficOrder", TypeName(row)));
+  if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder") && !is("TrafficOrder") &&
+      !is("WaitOrder")) {
+    throw py::type_error(
+        fmt::format("orders: found {}, expected LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder or "
+                    "WaitOrder",
+                    TypeName(row)));
   }
   const auto m = py::reinterpret_borrow<py::tuple>(row);
   if (is("LightOrder")) return LightOrder{ToIndex(m[0], "light"), ToBool(m[1], "on")};
@@ -252,6 +255,10 @@ Order ToOrder(py::handle row) {
   if (is("DoorOrder")) return DoorOrder{ToIndex(m[0], "door"), ToNumber(m[1], "opening")};
   if (is("LiftOrder")) return LiftOrder{ToIndex(m[0], "lift"), ToIndex(m[1], "floor"), ToBool(m[2], "ends")};
   const auto number = [&](std::size_t i, const char* name) { return static_cast<std::uint32_t>(ToIndex(m[i], name)); };
+  if (is("WaitOrder")) {
+    return WaitOrder{m[0].is_none() ? std::nullopt : std::optional(ModelId(ToIndex(m[0], "thing"))),
+                     m[1].is_none() ? std::nullopt : std::optional(number(1, "lane"))};
+  }
   return TrafficOrder{.at = number(0, "at"),
                       .goal = m[1].is_none() ? std::nullopt : std::optional(number(1, "goal")),
                       .holds = ToBool(m[2], "holds"),

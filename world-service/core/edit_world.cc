@@ -426,6 +426,7 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
     edited.state.transmissions.clear();
     edited.state.lane_closures.clear();
     for (TrafficRobot& robot : edited.state.traffic_robots) robot.since = 0;
+    for (RobotWait& wait : edited.state.waits) wait.since = 0;
   }
   return edited;
 }

@@ -29,6 +29,7 @@ Status RobotTotals::OnTick(const CommittedTick& tick) {
   const bool begins = tick.edit != nullptr && tick.frame.fresh_edition == tick.frame.edition;
   if (begins || !since_) {
     robots_.clear();
+    traffic_.Clear();
     since_ = state.tick;
   }
   const std::size_t known = std::min(robots_.size(), state.robots.size());
@@ -43,7 +44,12 @@ Status RobotTotals::OnTick(const CommittedTick& tick) {
     for (const RobotCommand& command : tick.commands) Count(command);
   }
   stores_ = state.stores;
+  traffic_.Add(scene_->world(), state);
   return {};
+}
+
+std::vector<PlaceWaits> RobotTotals::FindWaits(std::size_t most_of_kind) const {
+  return scene_ == nullptr ? std::vector<PlaceWaits>() : traffic_.FindWaits(scene_->world(), most_of_kind);
 }
 
 void RobotTotals::Count(const Event& event) {

@@ -1,4 +1,4 @@
-// RobotTotals: distance, contacts and goals of each robot in a run, for the summary: an observer that adds them up.
+// RobotTotals: distance, contacts and goals of each robot in a run, and its traffic, for the summary: an observer that adds them up.
 //
 // Counts begin at the newest fresh start, and at the start of a service that continues a run: totals are not
 // journalled, because they matter to readers of the summary only and would grow every record. Edits move robots without
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/signals/traffic_totals.h"
 #include "common/spatial/scene.h"
 #include "troupe/fields.h"
 #include "world-service/service/run_observer.h"
@@ -52,6 +53,9 @@ class RobotTotals : public RunObserver {
 
   // Of the first robots that exist, in id order; after the run.
   std::vector<RobotTotal> Collect(std::size_t most) const;
+  TrafficTotal traffic() const { return traffic_.total(); }
+  // The places with the most waiting, so many of each kind; after the run.
+  std::vector<PlaceWaits> FindWaits(std::size_t most_of_kind) const;
   // The tick at which they begin: that of the newest start, or at which a service continued the run.
   Tick since() const { return since_.value_or(0); }
 
@@ -75,6 +79,7 @@ class RobotTotals : public RunObserver {
   std::optional<Tick> since_;
   std::vector<Counts> robots_;      // by RobotId
   std::vector<StoreState> stores_;  // at the newest tick
+  TrafficTotals traffic_;
 };
 
 }  // namespace troupe

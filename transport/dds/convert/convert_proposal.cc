@@ -76,6 +76,7 @@ void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& 
   OrdersToColumns<DoorOrder>(for_each, wire.doors, arena);
   OrdersToColumns<LiftOrder>(for_each, wire.lifts, arena);
   OrdersToColumns<TrafficOrder>(for_each, wire.traffic, arena);
+  OrdersToColumns<WaitOrder>(for_each, wire.waits, arena);
 }
 
 Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
@@ -89,6 +90,7 @@ Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& p
   if (problem.ok()) problem = OrdersFromColumns<DoorOrder>("proposal of doors", wire.doors, add);
   if (problem.ok()) problem = OrdersFromColumns<LiftOrder>("proposal of lifts", wire.lifts, add);
   if (problem.ok()) problem = OrdersFromColumns<TrafficOrder>("proposal of traffic", wire.traffic, add);
+  if (problem.ok()) problem = OrdersFromColumns<WaitOrder>("proposal of waits", wire.waits, add);
   return problem;
 }
 

@@ -42,7 +42,7 @@ class ConsoleReporter final : public Reporter {
   void OnEvent(const Event& event, const std::string& text) override {
     // Robots stall all the time, and doors open; the summary counts stalls.
     if (event.type == EventType::kStallBegan || event.type == EventType::kStallEnded) return;
-    if (IsOfBuilding(event.type)) return;
+    if (IsOfBuilding(event.type) || IsOfTraffic(event.type)) return;
     PrintPlain(stderr, "{}\n", text);
   }
   void OnNewRobots(const std::vector<std::string>& robots, Edition) override {
@@ -163,6 +163,8 @@ class LauncherReporter final : public Reporter {
     }
     Json totals = Json::array();
     for (const RobotTotal& total : summary.totals) totals.push_back(FieldsToJson<Json>(total));
+    Json waits = Json::array();
+    for (const PlaceWaits& place : summary.waits) waits.push_back(FieldsToJson<Json>(place));
     Send({{"type", "end"},
           {"ticks", summary.ticks},
           {"sim_seconds", summary.sim_seconds},
@@ -181,6 +183,8 @@ class LauncherReporter final : public Reporter {
           {"interrupted", summary.interrupted},
           {"record_waited_seconds", summary.record_waited_seconds},
           {"totals", std::move(totals)},
+          {"traffic", FieldsToJson<Json>(summary.traffic)},
+          {"waits", std::move(waits)},
           {"totals_since", summary.totals_since}});
   }
   void Failed(const Error& error) override {

@@ -46,6 +46,7 @@ FrameMessage SomeFrame() {
       {.robot = RobotId(1), .has_left = true}};
   frame.state.traffic_moves = {{RobotId(0), 3, 5, true}};
   frame.state.lane_closures = {{2, 600, 300}};
+  frame.state.waits = {{RobotId(0), 3, ModelId(5), 4}, {RobotId(1)}};
   frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
                   {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};
   frame.incarnation = 4;
@@ -65,7 +66,7 @@ ProposalMessage SomeProposal() {
                         {1.0, 2.0},
                         {{1, std::nullopt, {7, 8}}},
                         {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, infinity}, DoorOrder{1, 0.25},
-                         LiftOrder{0, 2, true}, TwistOrder{{0.5, -0.0, 1e-300}}},
+                         LiftOrder{0, 2, true}, TwistOrder{{0.5, -0.0, 1e-300}}, WaitOrder{ModelId(3), 7}, WaitOrder{}},
                         "hello"},
                        {RobotId(4000000000), {}, {}, {{0, RobotId(2), {}}, {0, {}, {255}}}}};
   message.reports = {"a report", ""};

@@ -211,6 +211,7 @@ FrameMessage FrameWithEveryField() {
   frame.state.traffic_robots = {{.robot = RobotId(1), .at = 2, .goal = 3, .since = 4, .waits_for = RobotId(0)}};
   frame.state.traffic_moves = {{RobotId(1), 5, 6, true}};
   frame.state.lane_closures = {{7, 8, 9}};
+  frame.state.waits = {{RobotId(1), 2, ModelId(3), 4}, {RobotId(2)}};
   frame.events = {{2, EventType::kGripped, RobotId(1), ModelId(5), "text", ModelId(6)}};
   frame.commands = {{.robot = RobotId(1), .twist = Twist{0.5, 1.0, 1.5}, .grippers = {{0, 50.0, std::nullopt}}}};
   return frame;
@@ -223,7 +224,8 @@ ProposalMessage ProposalWithEveryField() {
                         .twist = {},
                         .messages = {{1, std::nullopt, {7, 8}}, {2, RobotId(4), {9}}},
                         .orders = {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, -0.5},
-                                   DoorOrder{1, 0.5}, LiftOrder{0, 2, false}, TrafficOrder{1, 2, true, 3, 0.5, false}},
+                                   DoorOrder{1, 0.5}, LiftOrder{0, 2, false}, TrafficOrder{1, 2, true, 3, 0.5, false},
+                                   WaitOrder{ModelId(7), 8}},
                         .say = "hello"}};
   message.reports = {"a report"};
   message.edition = 6;

@@ -391,7 +391,7 @@ TEST(FoxgloveProtocolTest, BodiesAreInFramesThatTransformsMove) {
   for (const Channel& channel : channels) topics.push_back(channel.topic);
   EXPECT_THAT(topics, testing::ElementsAre("/scene", "/tf", "/map", "/events", "/r0/ranger:0", "/tables/robots",
                                            "/tables/transmissions", "/tables/traffic_robots", "/tables/traffic_moves",
-                                           "/tables/lane_closures", "/tables/sensors"))
+                                           "/tables/lane_closures", "/tables/waits", "/tables/sensors"))
       << "single rays have no scan";
 
   const auto text = nlohmann::json::parse(SceneText(scene, 1'500'000'000));

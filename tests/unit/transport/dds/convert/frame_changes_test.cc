@@ -109,6 +109,7 @@ class Changes {
     state.traffic_moves.resize(Below(4));
     for (TrafficMove& move : state.traffic_moves) move.robot = RobotId(Below(state.robots.size()));
     state.lane_closures.assign(Below(3), {1, 9, 3});
+    state.waits.assign(Below(3), {RobotId(Below(state.robots.size())), 2, ModelId(3), 4});
   }
 
  private:

@@ -228,9 +228,14 @@ FrameMessage RandomMessages::Frame() {
     state.transmissions.clear();
     state.traffic_robots.clear();
     state.traffic_moves.clear();
+    state.waits.clear();
   }
   for (TrafficRobot& robot : state.traffic_robots) robot.robot = RobotId(Below(state.robots.size()));
   for (TrafficMove& move : state.traffic_moves) move.robot = RobotId(Below(state.robots.size()));
+  for (RobotWait& wait : state.waits) {
+    wait.robot = RobotId(Below(state.robots.size()));
+    wait.thing = MaybeId<ModelId>(50);
+  }
   for (RadioTransmission& transmission : state.transmissions) {
     transmission.from = RobotId(Below(state.robots.size()));
     transmission.message.to = MaybeId<RobotId>(state.robots.size());
@@ -306,6 +311,7 @@ ProposalMessage RandomMessages::Proposal() {
     for (std::size_t i = Below(2); i > 0; --i) {
       orders.push_back(TrafficOrder{static_cast<std::uint32_t>(Below(50)), {}, Coin(), 3, Number(), Coin()});
     }
+    for (std::size_t i = Below(2); i > 0; --i) orders.push_back(WaitOrder{MaybeId<ModelId>(50), {}});
     if (Coin()) message.proposals.back().say = Text();
     robot += 1 + Below(10);
   }
