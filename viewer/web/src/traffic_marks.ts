@@ -81,6 +81,9 @@ export function ringsOf(world: World, traffic: Traffic): Set<number> {
 export class TrafficMarks {
   visible = false;
   readonly group = new Group();
+  // What is drawn: the robots whose ways are, and the arrows.
+  ways: number[] = [];
+  shownWaits: Array<{robot: number; thing: number; ring: boolean}> = [];
   private readonly held: Vertices;
   private readonly planned: Vertices;
   private readonly arrows: Vertices;
@@ -120,6 +123,8 @@ export class TrafficMarks {
     if (!this.visible) return;
     if (run.world !== this.world) this.setWorld(run.world);
     for (const part of [this.held, this.planned, this.arrows]) part.count = 0;
+    this.ways = [];
+    this.shownWaits = [];
     this.addWays(run);
     this.addClosedLanes(run.traffic);
     this.addWaits(run);
@@ -144,6 +149,7 @@ export class TrafficMarks {
     for (const {robot, moves} of run.traffic.ways) {
       const pose = run.robots[robot]?.pose;
       if (!pose) continue;
+      this.ways.push(robot);
       robotColorOf(robot, this.color);
       let from: Point = [pose.x, pose.y, pose.z + HEIGHT];
       for (const {to, granted} of moves) {
@@ -176,8 +182,10 @@ export class TrafficMarks {
       const pose = run.robots[robot]?.pose;
       const target = thing >= 0 ? this.poseOfModel(run, thing) : null;
       if (!pose || !target) continue;
-      const color = rings.has(robot) && this.robots.has(thing) ? this.ring : this.wait;
-      this.addArrow([pose.x, pose.y, pose.z + ABOVE], [target.x, target.y, target.z + ABOVE], color);
+      const ring = rings.has(robot);
+      this.shownWaits.push({robot, thing, ring});
+      this.addArrow(
+        [pose.x, pose.y, pose.z + ABOVE], [target.x, target.y, target.z + ABOVE], ring ? this.ring : this.wait);
     }
   }
 
