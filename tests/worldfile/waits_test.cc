@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "common/signals/state_tables.h"
 #include "common/signals/traffic_totals.h"
@@ -43,6 +44,25 @@ levels:
       - [6, 0, 0, b]
     lanes:
       - [0, 1, {bidirectional: [4, true]}]
+)";
+
+// A door beside the start.
+constexpr const char* kGate = R"(
+name: gate
+coordinate_system: cartesian_meters
+levels:
+  L1:
+    elevation: 0
+    vertices:
+      - [0, 0, 0, a, {spawn_robot_name: [1, r1], spawn_robot_type: [1, TinyRobot]}]
+      - [5, 0, 0, b]
+      - [0.55, -0.7, 0, ""]
+      - [0.55, 0.7, 0, ""]
+    lanes:
+      - [0, 1, {bidirectional: [4, true]}]
+    doors:
+      - [2, 3, {name: [1, gate], type: [1, sliding], motion_axis: [1, start], motion_degrees: [3, 90],
+                motion_direction: [2, 1], right_left_ratio: [3, 1], plugin: [1, normal]}]
 )";
 
 // With a box on the straight lane.
@@ -128,8 +148,24 @@ TEST(PlannedWaits, ARobotWithoutAWayIsToldAndTheLogIsNotFlooded) {
   EXPECT_LE(of_traffic, 3000 / 100 + 10) << "one for each wait of 10 s at most, and one for each closure";
 }
 
-// Of robots that find their own ways: the doors and the lift of a house.
-TEST(Waits, ForDoorsAndLiftsAreCountedAtThem) {
+TEST(Waits, ForADoorThatOpensHaveIt) {
+  test::TemporaryFolder folder;
+  for (const char* const parameters : {R"({"places": ["b"]})", R"({"places": ["b"], "planned": true})"}) {
+    WorldDescription world = LoadOnLanes(folder, kGate, OnLanes("r1", parameters));
+    world.doors[0].opening = 0.0;  // it opens for no robot by itself
+    world.doors[0].detection_radius = 0.0;
+    ScenarioRun run(std::move(world));
+    for (int i = 0; i < 50 && TextOfSignal(run, "robots", "blocked_by", 0) != "gate"; ++i) run.Run(1);
+    EXPECT_EQ(TextOfSignal(run, "robots", "blocked_by", 0), "gate") << parameters;
+    EXPECT_EQ(NumberOfSignal(run, "doors", "waiting_robots", 0), 1.0);
+    run.Run(100);
+    EXPECT_EQ(NumberOfSignal(run, "doors", "waiting_robots", 0), 0.0) << "it is open";
+    EXPECT_TRUE(run.state().waits.empty());
+  }
+}
+
+// Of robots that find their own ways: the lift of a house, and each other.
+TEST(Waits, ForALiftAreCountedAtIt) {
   const char* const source = std::getenv("TROUPE_SOURCE_DIR");
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
@@ -149,14 +185,14 @@ TEST(Waits, ForDoorsAndLiftsAreCountedAtThem) {
       at_lifts += NumberOfSignal(run, "lifts", "waiting_robots", lift);
     }
   }
-  EXPECT_TRUE(blockers.contains("lobby_door"));
   EXPECT_TRUE(blockers.contains("guest_lift"));
+  EXPECT_TRUE(blockers.contains("tiny_1"));
   EXPECT_GT(at_lifts, 0.0);
   double seconds = 0.0;
   for (const PlaceWaits& place : totals.FindWaits(run.scene().world(), 10)) {
     if (place.kind == "lift") seconds += place.seconds;
   }
-  EXPECT_NEAR(seconds, (at_lifts)*0.1, 0.2) << "robot-seconds, but for the first tick";
+  EXPECT_NEAR(seconds, 0.1 * at_lifts, 0.2) << "robot-seconds, but for the first tick";
 }
 
 }  // namespace

@@ -26,11 +26,15 @@ class Vertices {
 
   constructor(readonly geometry: BufferGeometry) {}
 
-  add(point: Point, color: Color): void {
-    if (3 * this.count >= this.places.length) this.grow();
-    this.places.set(point, 3 * this.count);
-    this.colors.set([color.r, color.g, color.b], 3 * this.count);
-    ++this.count;
+  add(x: number, y: number, z: number, {r, g, b}: Color): void {
+    const at = 3 * this.count++;
+    if (at >= this.places.length) this.grow();
+    this.places[at] = x;
+    this.places[at + 1] = y;
+    this.places[at + 2] = z;
+    this.colors[at] = r;
+    this.colors[at + 1] = g;
+    this.colors[at + 2] = b;
   }
 
   show(): void {
@@ -156,8 +160,8 @@ export class TrafficMarks {
         const place = this.vertices[to];
         if (!place) break;
         if (granted) this.addRibbon(this.held, from, place, HALF_WIDTH, this.color);
-        this.planned.add(from, this.color);
-        this.planned.add(place, this.color);
+        this.planned.add(...from, this.color);
+        this.planned.add(...place, this.color);
         from = place;
       }
     }
@@ -211,10 +215,13 @@ export class TrafficMarks {
     const length = Math.hypot(dx, dy);
     if (length === 0) return;
     const [nx, ny] = [(-dy / length) * half, (dx / length) * half];
-    const corners: Point[] = [
-      [from[0] + nx, from[1] + ny, from[2]], [from[0] - nx, from[1] - ny, from[2]],
-      [to[0] + nx, to[1] + ny, to[2]], [to[0] - nx, to[1] - ny, to[2]]];
-    for (const corner of [0, 1, 2, 2, 1, 3]) part.add(corners[corner], color);
+    const corner = ([x, y, z]: Point, side: number): void => part.add(x + side * nx, y + side * ny, z, color);
+    corner(from, 1);
+    corner(from, -1);
+    corner(to, 1);
+    corner(to, 1);
+    corner(from, -1);
+    corner(to, -1);
   }
 
   private addArrow(from: Point, to: Point, color: Color): void {
@@ -226,8 +233,8 @@ export class TrafficMarks {
     const neck: Point = [from[0] + share * dx, from[1] + share * dy, from[2] + share * dz];
     this.addRibbon(this.arrows, from, neck, ARROW, color);
     const [nx, ny] = [(-dy / length) * 2.6 * ARROW, (dx / length) * 2.6 * ARROW];
-    this.arrows.add([neck[0] + nx, neck[1] + ny, neck[2]], color);
-    this.arrows.add([neck[0] - nx, neck[1] - ny, neck[2]], color);
-    this.arrows.add(to, color);
+    this.arrows.add(neck[0] + nx, neck[1] + ny, neck[2], color);
+    this.arrows.add(neck[0] - nx, neck[1] - ny, neck[2], color);
+    this.arrows.add(...to, color);
   }
 }
