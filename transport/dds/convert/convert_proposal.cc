@@ -123,7 +123,7 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
 
 static_assert(kMemberCount<Proposal> == 6, "a new field of a proposal needs a column here");
 // A twist is an order of tools alone, which no proposal has.
-static_assert(std::variant_size_v<Order> == 6, "a new kind of order needs columns here, and in convert_order.cc");
+static_assert(std::variant_size_v<Order> == 7, "a new kind of order needs columns here, and in convert_order.cc");
 
 constexpr auto kMessages = [](auto& proposal) -> auto& {
   return proposal.messages;

@@ -70,7 +70,7 @@ TEST(HeatMapTest, IsDrawnUnderTheBodiesWithALegend) {
   EXPECT_NE(some, none);
   EXPECT_GT(some.size(), without.size());
   // The dark red of the cell with the most time.
-  EXPECT_THAT(some, HasSubstr("40%, 0%, 13%"));
+  EXPECT_THAT(some, HasSubstr("rgb(40%,0%,13%)"));
   EXPECT_EQ(some, test::ValueOf(DrawPicture(world.world(), state, {}, options, {}, &heat))) << "the same bytes";
 }
 
