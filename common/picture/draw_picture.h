@@ -30,8 +30,9 @@ struct ScanFan {
 
 class HeatMap;
 
-// The bytes of a PNG or SVG file. `heat`: a map under the bodies of a view from above; null: none. The error names the option out of bounds, or the fault of the graphics library.
-// REQUIRES: Validate(world) found nothing; `state` belongs to it.
+// The bytes of a PNG or SVG file. `heat`: a map under the bodies of a view from above; null: none. The error names the
+// option out of bounds, or the fault of the graphics library. REQUIRES: Validate(world) found nothing; `state` belongs
+// to it.
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
                                 const std::vector<ScanFan>& fans, const PictureOptions& options,
                                 const std::vector<Mark>& marks = {}, const HeatMap* heat = nullptr);

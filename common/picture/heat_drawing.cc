@@ -14,9 +14,11 @@ namespace troupe {
 namespace {
 
 // From the least to the most: pale yellow, orange, dark red. They are told apart without colours, too.
-constexpr Color kHeatColors[] = {
-    {1.0, 0.95, 0.70, 1.0}, {0.99, 0.75, 0.35, 1.0}, {0.94, 0.42, 0.18, 1.0}, {0.74, 0.09, 0.15, 1.0},
-    {0.40, 0.0, 0.13, 1.0}};
+constexpr Color kHeatColors[] = {{1.0, 0.95, 0.70, 1.0},
+                                 {0.99, 0.75, 0.35, 1.0},
+                                 {0.94, 0.42, 0.18, 1.0},
+                                 {0.74, 0.09, 0.15, 1.0},
+                                 {0.40, 0.0, 0.13, 1.0}};
 constexpr double kHeatOpacity = 0.85;
 constexpr std::size_t kLegendSteps = 40;
 
@@ -50,7 +52,9 @@ void DrawHeatLegend(Canvas& canvas, const Viewport& viewport, const HeatMap& hea
   const double left = right - width;
   const double top = plot.min_y + 12.0 * u;
   const TextStyle style{10.0 * u, page::kText};
-  const char* const what = heat.kind() == HeatKind::kRobots ? "robots" : heat.kind() == HeatKind::kPeople ? "people" : "waits";
+  const char* const what = heat.kind() == HeatKind::kRobots   ? "robots"
+                           : heat.kind() == HeatKind::kPeople ? "people"
+                                                              : "waits";
   char title[64];
   std::snprintf(title, sizeof title, "time of %s in %.3g m x %.3g m", what, heat.cell(), heat.cell());
   const double text_width = std::max(width, canvas.TextWidth(title, style));

@@ -24,7 +24,7 @@ void HeatMap::Add(const WorldDescription& world, const WorldState& state) {
 
 void HeatMap::Count(const Pose& X_WB) {
   if (X_WB.z < heights_.first || X_WB.z >= heights_.second) return;
-  const auto number = [this](double metres) { return static_cast<std::int64_t>(std::floor(metres / cell_)); };
+  const auto number = [this](double metres) { return static_cast<std::int64_t>(std::floor(metres / cell_ + 0.5)); };
   ++ticks_[{number(X_WB.x), number(X_WB.y)}];
 }
 

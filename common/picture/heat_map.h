@@ -1,5 +1,5 @@
-// HeatMap: where robots or people spend their time, or where robots wait, in a part of a run: seconds by cells of a grid
-// over the ground. A picture seen from above shows it under the bodies (draw_picture.h).
+// HeatMap: where robots or people spend their time, or where robots wait, in a part of a run: seconds by cells of a
+// grid over the ground. A picture seen from above shows it under the bodies (draw_picture.h).
 //
 // It adds up the states of the ticks, one after another: the same run gives the same map, live or from a recording.
 #pragma once
@@ -30,7 +30,8 @@ class HeatMap {
   static constexpr double kMinCell = 0.05;
   static constexpr double kMaxCell = 100.0;
 
-  // `cell`: m, the side of a cell, within the bounds above; a cell begins at the origin of the world.
+  // `cell`: m, the side of a cell, within the bounds above; the origin of the world is the middle of one,
+  // as are the places of most sites.
   HeatMap(HeatKind kind, double cell) : kind_(kind), cell_(cell) {}
 
   // Only bodies whose heights are from `min` to below `max`, m.
@@ -48,8 +49,8 @@ class HeatMap {
   template <typename Visit>
   void ForEachCell(const Visit& visit) const {
     for (const auto& [place, ticks] : ticks_) {
-      const double x = static_cast<double>(place.first) * cell_;
-      const double y = static_cast<double>(place.second) * cell_;
+      const double x = (static_cast<double>(place.first) - 0.5) * cell_;
+      const double y = (static_cast<double>(place.second) - 0.5) * cell_;
       visit(Rectangle{x, y, x + cell_, y + cell_}, static_cast<double>(ticks) * interval_);
     }
   }
@@ -60,7 +61,7 @@ class HeatMap {
   HeatKind kind_;
   double cell_;
   std::pair<double, double> heights_ = {-1e9, 1e9};
-  double interval_ = 0.0;                                                   // s
+  double interval_ = 0.0;                                                 // s
   std::map<std::pair<std::int64_t, std::int64_t>, std::uint64_t> ticks_;  // by column and row
 };
 

@@ -28,12 +28,9 @@ struct TrafficTotal {
   bool operator==(const TrafficTotal&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"robots", &TrafficTotal::robots},
-        Field{"seconds", &TrafficTotal::seconds},
-        Field{"arrivals", &TrafficTotal::arrivals},
-        Field{"arrivals_per_hour", &TrafficTotal::arrivals_per_hour},
-        Field{"utilisation", &TrafficTotal::utilisation},
-        Field{"waiting", &TrafficTotal::waiting},
+        Field{"robots", &TrafficTotal::robots},           Field{"seconds", &TrafficTotal::seconds},
+        Field{"arrivals", &TrafficTotal::arrivals},       Field{"arrivals_per_hour", &TrafficTotal::arrivals_per_hour},
+        Field{"utilisation", &TrafficTotal::utilisation}, Field{"waiting", &TrafficTotal::waiting},
     };
   }
 };
@@ -48,8 +45,9 @@ struct PlaceWaits {
   bool operator==(const PlaceWaits&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"kind", &PlaceWaits::kind},       Field{"place", &PlaceWaits::place}, Field{"seconds", &PlaceWaits::seconds},
-        Field{"longest", &PlaceWaits::longest}, Field{"waits", &PlaceWaits::waits},
+        Field{"kind", &PlaceWaits::kind},       Field{"place", &PlaceWaits::place},
+        Field{"seconds", &PlaceWaits::seconds}, Field{"longest", &PlaceWaits::longest},
+        Field{"waits", &PlaceWaits::waits},
     };
   }
 };

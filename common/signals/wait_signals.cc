@@ -21,10 +21,9 @@ double SecondsOf(const SignalView& view, const RobotWait& wait) {
 // Where it waits without a known thing, if the traffic has closed that lane.
 std::optional<GraphPlace> FindClosedLane(const SignalView& view, const RobotWait& wait) {
   if (wait.thing || !wait.lane) return std::nullopt;
-  const bool is_closed = std::any_of(view.state.lane_closures.begin(), view.state.lane_closures.end(),
-                                     [&](const LaneClosure& closure) {
-                                       return closure.lane == *wait.lane && closure.until > view.state.tick;
-                                     });
+  const bool is_closed = std::any_of(
+      view.state.lane_closures.begin(), view.state.lane_closures.end(),
+      [&](const LaneClosure& closure) { return closure.lane == *wait.lane && closure.until > view.state.tick; });
   return is_closed ? FindLane(view.world.lane_graphs, *wait.lane) : std::nullopt;
 }
 
@@ -34,8 +33,11 @@ void AddOfWaitingRobots(StateTable& table) {
                     const RobotWait* const wait = FindWaitOf(view, row);
                     return wait != nullptr ? SecondsOf(view, *wait) : 0.0;
                   });
-  Signal blocked_by{"blocked_by", "",
-                    "the robot, person, object, door, lift or closed lane for which it waits", ValueType::kText, {}};
+  Signal blocked_by{"blocked_by",
+                    "",
+                    "the robot, person, object, door, lift or closed lane for which it waits",
+                    ValueType::kText,
+                    {}};
   // Lanes come after all models.
   blocked_by.number = [](const SignalView& view, std::size_t row) {
     const RobotWait* const wait = FindWaitOf(view, row);

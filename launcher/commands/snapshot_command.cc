@@ -119,7 +119,8 @@ Result<FoundCamera> FindCamera(const WorldDescription& world, const std::string&
 
 // The map that the options ask for, without any tick.
 HeatMap MakeHeatMap(const SnapshotOptions& options) {
-  HeatMap heat(FindByName<HeatKind>(options.heat).value_or(HeatKind::kRobots), options.cell.value_or(HeatMap::kDefaultCell));
+  HeatMap heat(FindByName<HeatKind>(options.heat).value_or(HeatKind::kRobots),
+               options.cell.value_or(HeatMap::kDefaultCell));
   if (!options.heights.empty()) heat.SetHeights(options.heights[0], options.heights[1]);
   return heat;
 }
@@ -133,7 +134,8 @@ Status CheckHeat(const SnapshotOptions& options) {
     return {};
   }
   if (options.cell && (*options.cell < HeatMap::kMinCell || *options.cell > HeatMap::kMaxCell)) {
-    return refuse(fmt::format("--cell: found {} m, expected {} to {} m", *options.cell, HeatMap::kMinCell, HeatMap::kMaxCell));
+    return refuse(
+        fmt::format("--cell: found {} m, expected {} to {} m", *options.cell, HeatMap::kMinCell, HeatMap::kMaxCell));
   }
   if (options.view == "side") return refuse("found --heat with --view side, expected a view from above");
   if (!options.camera.empty()) return refuse("found --heat with --camera, expected one of both");
@@ -179,7 +181,8 @@ int SnapshotHeatOfRecording(const SnapshotOptions& options, const Recording& rec
     if (options.tick && state.tick == *options.tick) break;
   }
   if (options.tick && newest != *options.tick) {
-    return Fail({{options.file}, fmt::format("found no tick {}: the recording ends at tick {}", *options.tick, newest.value_or(0))});
+    return Fail({{options.file},
+                 fmt::format("found no tick {}: the recording ends at tick {}", *options.tick, newest.value_or(0))});
   }
   const ReplayedWorld& world = cursor.value().world();
   const Status saved = SaveHeat(world.world(), world.state(), options, picture, heat);
@@ -359,7 +362,10 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->required()
       ->check(NotEmpty())
       ->type_name("FILE");
-  command->add_option("--tick", options->tick, "Run to this tick first (default: 0, the world as loaded; of a heat map of a recording its last tick)")
+  command
+      ->add_option(
+          "--tick", options->tick,
+          "Run to this tick first (default: 0, the world as loaded; of a heat map of a recording its last tick)")
       ->check(WholeNumber(0))
       ->type_name("N");
   command->add_option("--view", options->view, "top, or side: seen along +y (default: top)")

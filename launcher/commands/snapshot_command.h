@@ -18,14 +18,14 @@ struct SnapshotOptions {
   std::string file;
   std::string output;
   std::optional<std::uint64_t> tick;  // nothing: 0; of a heat map of a recording the last one
-  std::string view = "top";  // or "side"
+  std::string view = "top";           // or "side"
   bool rays = false;
   std::string camera;   // "robot" or "robot/sensor": its view instead of the world; empty: the world
   bool depths = false;  // of the camera, instead of its colours
 
-  std::string heat;                    // "robots", "people" or "waits": a map of the ticks up to that one; empty: none
-  std::uint64_t since = 0;             // the tick after which the map begins
-  std::optional<double> cell;          // m, of the map
+  std::string heat;            // "robots", "people" or "waits": a map of the ticks up to that one; empty: none
+  std::uint64_t since = 0;     // the tick after which the map begins
+  std::optional<double> cell;  // m, of the map
 
   // Nothing or empty: as the world file sets it, or chosen by the contents of the picture.
   std::optional<int> width;      // pixels

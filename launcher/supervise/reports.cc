@@ -324,8 +324,8 @@ std::string TrafficText(const RunSummary& run) {
   std::map<std::string, std::size_t> shown;  // by kind
   for (const PlaceWaits& place : run.waits) {
     if (++shown[place.kind] > kPlacesShown) continue;
-    text += fmt::format("waits at {} {}: {:.1f} s in {}, the longest {:.1f} s\n", place.kind, PlainLine(place.place, 60),
-                        place.seconds, CountText(place.waits, "wait"), place.longest);
+    text += fmt::format("waits at {} {}: {:.1f} s in {}, the longest {:.1f} s\n", place.kind,
+                        PlainLine(place.place, 60), place.seconds, CountText(place.waits, "wait"), place.longest);
   }
   return text;
 }

@@ -64,8 +64,8 @@ class PastAnswers {
   PageReply Series(const SeriesRequest& request);
 
   // What each robot has done from the first state on: {"complete", "first_tick", "last_tick", "seconds", "robots":
-  // [{"name", "distance" m, "energy" J that it has used, if it has a store that can be empty}], "traffic", "waits": as in
-  // the summary of a run}. Not complete: ask again.
+  // [{"name", "distance" m, "energy" J that it has used, if it has a store that can be empty}], "traffic", "waits": as
+  // in the summary of a run}. Not complete: ask again.
   PageReply Totals(const TotalsRequest& request);
   void AddToTotals(const SharedState& state);
   // Whether the totals belong to the past as it is now.
@@ -80,7 +80,7 @@ class PastAnswers {
   SignalReader signals_;
   std::map<std::string, RobotTotals> totals_;  // by robot
   TrafficTotals traffic_;
-  SharedState first_;                          // that the totals have; null: none
+  SharedState first_;  // that the totals have; null: none
   SharedState last_;
   std::uint64_t next_ = 0;        // position
   std::optional<Things> things_;  // of the world of last_

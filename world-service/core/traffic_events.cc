@@ -91,8 +91,7 @@ class TrafficEvents {
   }
 
   void Add(EventType type, std::optional<RobotId> robot, std::optional<ModelId> other, std::string detail) {
-    events_.push_back(
-        {.tick = now_.tick, .type = type, .robot = robot, .other = other, .detail = std::move(detail)});
+    events_.push_back({.tick = now_.tick, .type = type, .robot = robot, .other = other, .detail = std::move(detail)});
   }
 
   std::string LaneText(std::optional<std::uint32_t> number) const {
@@ -164,9 +163,8 @@ class TrafficEvents {
 
   // Of the robots that were on the lane, the one that waited there met what is in the way.
   void AddClosure(const LaneClosure& closure) {
-    const auto waits_there =
-        std::find_if(before_.waits.begin(), before_.waits.end(),
-                     [&](const RobotWait& wait) { return wait.lane == closure.lane; });
+    const auto waits_there = std::find_if(before_.waits.begin(), before_.waits.end(),
+                                          [&](const RobotWait& wait) { return wait.lane == closure.lane; });
     std::optional<RobotId> robot;
     std::optional<ModelId> thing;
     if (waits_there != before_.waits.end()) {

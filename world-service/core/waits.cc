@@ -16,9 +16,9 @@
 namespace troupe {
 namespace {
 
-constexpr double kNextTo = 0.4;         // m, between a robot's body and one on its lane
-constexpr double kOnLevel = 1.3;        // m, of height
-constexpr Tick kTicksOfSearch = 10;     // from one search of a closed lane to the next
+constexpr double kNextTo = 0.4;      // m, between a robot's body and one on its lane
+constexpr double kOnLevel = 1.3;     // m, of height
+constexpr Tick kTicksOfSearch = 10;  // from one search of a closed lane to the next
 
 class WaitFinder {
  public:

@@ -12,8 +12,8 @@ import {compose, type Run} from './run';
 
 const HEIGHT = 0.025;  // m, above the floor
 const HALF_WIDTH = 0.12;  // m, of a granted way
-const ARROW = 0.05;  // m, half the width of an arrow
-const HEAD = 0.22;  // m
+const ARROW = 0.07;  // m, half the width of an arrow
+const HEAD = 0.35;  // m
 const ABOVE = 0.6;  // m, of arrows above the floor: over most robots
 
 type Point = [number, number, number];

@@ -21,8 +21,7 @@ using testing::HasSubstr;
 // The left and lower side of each cell, and its seconds.
 std::vector<std::tuple<double, double, double>> CellsOf(const HeatMap& heat) {
   std::vector<std::tuple<double, double, double>> cells;
-  heat.ForEachCell(
-      [&](const Rectangle& cell, double seconds) { cells.emplace_back(cell.min_x, cell.min_y, seconds); });
+  heat.ForEachCell([&](const Rectangle& cell, double seconds) { cells.emplace_back(cell.min_x, cell.min_y, seconds); });
   return cells;
 }
 
@@ -36,8 +35,8 @@ TEST(HeatMapTest, AddsUpTheTimeOfRobotsByCell) {
   for (int i = 0; i < 3; ++i) heat.Add(world.world(), state);
   state.robots[0].X_WR.x = 1.2;
   heat.Add(world.world(), state);
-  EXPECT_THAT(CellsOf(heat), ElementsAre(std::tuple(-0.5, 0.5, 4 * 0.1), std::tuple(0.0, 0.0, 3 * 0.1),
-                                         std::tuple(1.0, 0.0, 0.1)));
+  EXPECT_THAT(CellsOf(heat), ElementsAre(std::tuple(-0.25, 0.25, 4 * 0.1), std::tuple(0.25, -0.25, 3 * 0.1),
+                                         std::tuple(0.75, -0.25, 0.1)));
   EXPECT_DOUBLE_EQ(heat.most(), 0.4);
   HeatMap ground(HeatKind::kRobots, 0.5);
   ground.SetHeights(-1.0, 2.0);
@@ -53,7 +52,7 @@ TEST(HeatMapTest, OfWaitsHasOnlyRobotsThatWait) {
   state.waits = {{.robot = RobotId(1)}};
   HeatMap heat(HeatKind::kWaits, 1.0);
   heat.Add(world.world(), state);
-  EXPECT_THAT(CellsOf(heat), ElementsAre(std::tuple(2.0, 0.0, 0.1)));
+  EXPECT_THAT(CellsOf(heat), ElementsAre(std::tuple(1.5, 0.5, 0.1)));
 }
 
 TEST(HeatMapTest, IsDrawnUnderTheBodiesWithALegend) {

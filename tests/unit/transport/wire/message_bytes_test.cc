@@ -219,14 +219,14 @@ FrameMessage FrameWithEveryField() {
 
 ProposalMessage ProposalWithEveryField() {
   ProposalMessage message{.run = 1, .agent = 2, .tick = 3};
-  message.proposals = {{.robot = RobotId(4), .twist = {1.0, 2.0, 3.0}, .joint_velocities = {0.5, 0.25}},
-                       {.robot = RobotId(5),
-                        .twist = {},
-                        .messages = {{1, std::nullopt, {7, 8}}, {2, RobotId(4), {9}}},
-                        .orders = {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, -0.5},
-                                   DoorOrder{1, 0.5}, LiftOrder{0, 2, false}, TrafficOrder{1, 2, true, 3, 0.5, false},
-                                   WaitOrder{ModelId(7), 8}},
-                        .say = "hello"}};
+  message.proposals = {
+      {.robot = RobotId(4), .twist = {1.0, 2.0, 3.0}, .joint_velocities = {0.5, 0.25}},
+      {.robot = RobotId(5),
+       .twist = {},
+       .messages = {{1, std::nullopt, {7, 8}}, {2, RobotId(4), {9}}},
+       .orders = {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, -0.5}, DoorOrder{1, 0.5},
+                  LiftOrder{0, 2, false}, TrafficOrder{1, 2, true, 3, 0.5, false}, WaitOrder{ModelId(7), 8}},
+       .say = "hello"}};
   message.reports = {"a report"};
   message.edition = 6;
   message.incarnation = 7;
