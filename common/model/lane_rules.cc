@@ -55,11 +55,6 @@ std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph)
   return first;
 }
 
-std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex) {
-  const std::string& name = graph.vertices[vertex].name;
-  return name.empty() ? "vertex " + std::to_string(vertex) : name;
-}
-
 std::string NameOfLane(const WorldDescription& world, std::size_t number) {
   const NumberedLane lane = LaneOf(world, number);
   return NameOfVertex(*lane.graph, (*lane).start) + " - " + NameOfVertex(*lane.graph, (*lane).end);

@@ -27,8 +27,6 @@ NumberedLane LaneOf(const WorldDescription& world, std::size_t number);
 std::size_t FirstLaneOf(const WorldDescription& world, const LaneGraph& graph);
 std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph);
 
-// "dock", or "vertex 3" of one without a name.
-std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex);
 // "dock - hall".
 std::string NameOfLane(const WorldDescription& world, std::size_t number);
 // The first lane between vertices of these names, in any direction.

@@ -29,6 +29,38 @@ std::optional<std::size_t> LaneGraph::LaneBetween(std::size_t from, std::size_t 
   return std::nullopt;
 }
 
+namespace {
+
+template <typename Part>
+std::optional<GraphPlace> FindInGraphs(std::span<const LaneGraph> graphs, std::size_t number, Part LaneGraph::*parts) {
+  for (std::size_t graph = 0; graph < graphs.size(); ++graph) {
+    const std::size_t count = (graphs[graph].*parts).size();
+    if (number < count) return GraphPlace{graph, number};
+    number -= count;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<GraphPlace> FindVertex(std::span<const LaneGraph> graphs, std::size_t vertex) {
+  return FindInGraphs(graphs, vertex, &LaneGraph::vertices);
+}
+
+std::optional<GraphPlace> FindLane(std::span<const LaneGraph> graphs, std::size_t lane) {
+  return FindInGraphs(graphs, lane, &LaneGraph::lanes);
+}
+
+std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex) {
+  const std::string& name = graph.vertices[vertex].name;
+  return name.empty() ? "vertex " + std::to_string(vertex) : name;
+}
+
+std::string NameOfLane(const LaneGraph& graph, std::size_t lane) {
+  return std::to_string(graph.number) + ": " + NameOfVertex(graph, graph.lanes[lane].start) + " - " +
+         NameOfVertex(graph, graph.lanes[lane].end);
+}
+
 std::optional<NearVertex> FindNearestVertex(const LaneGraph& graph, const Vec2& point, double z, double per_height) {
   std::optional<NearVertex> nearest;
   for (std::size_t i = 0; i < graph.vertices.size(); ++i) {

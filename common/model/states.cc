@@ -126,6 +126,12 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
     }
   }
   if (Status unfit = CheckSiteRows(world, state); !unfit.ok()) return unfit;
+  for (std::size_t i = 0; i < state.waits.size(); ++i) {
+    if (i > 0 && !(state.waits[i - 1].robot < state.waits[i].robot)) {
+      return BadInput("found waits of robots that do not ascend");
+    }
+    if (state.waits[i].since > state.tick) return BadInput("found a wait that begins later");
+  }
   for (const RadioTransmission& transmission : state.transmissions) {
     if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
       return BadInput("found a radio message of a sensor that is no radio");

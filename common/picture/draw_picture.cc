@@ -172,7 +172,7 @@ Color SolidColor(const Drawing& drawing, const Solid& solid) {
 
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
                                 const std::vector<ScanFan>& fans, const PictureOptions& options,
-                                const std::vector<Mark>& marks) {
+                                const std::vector<Mark>& marks, const HeatMap* heat) {
   if (const Status problem = CheckPictureOptions(options); !problem.ok()) return problem.error();
   std::vector<Solid> solids = CollectSolids(world, state);
   std::vector<RobotExtent> extents = RobotExtents(solids, world, state);
@@ -184,10 +184,12 @@ Result<std::string> DrawPicture(const WorldDescription& world, const WorldState&
   DrawGrid(canvas, viewport);
   canvas.ClipTo(viewport.plot);
   if (top) {
+    if (heat != nullptr) DrawHeat(canvas, viewport, *heat);
     DrawTopView(canvas, viewport, drawing);
   } else {
     DrawSideView(canvas, viewport, drawing);
   }
+  if (top && heat != nullptr) DrawHeatLegend(canvas, viewport, *heat);
   canvas.ClipNothing();
   DrawFrame(canvas, viewport);
   DrawCaption(canvas, viewport, MakeCaption(world, state, options.view));

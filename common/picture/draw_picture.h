@@ -28,11 +28,14 @@ struct ScanFan {
   std::vector<double> ranges;    // m, by bearing
 };
 
-// The bytes of a PNG or SVG file. The error names the option out of bounds, or the fault of the graphics library.
-// REQUIRES: Validate(world) found nothing; `state` belongs to it.
+class HeatMap;
+
+// The bytes of a PNG or SVG file. `heat`: a map under the bodies of a view from above; null: none. The error names the
+// option out of bounds, or the fault of the graphics library. REQUIRES: Validate(world) found nothing; `state` belongs
+// to it.
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
                                 const std::vector<ScanFan>& fans, const PictureOptions& options,
-                                const std::vector<Mark>& marks = {});
+                                const std::vector<Mark>& marks = {}, const HeatMap* heat = nullptr);
 
 // The bytes of a PNG file of an image: red, green and blue of each pixel, row by row from the top. The error is a fault
 // of the graphics library. REQUIRES: rgb has 3 * width * height bytes; both sides are at least 1

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/picture/canvas.h"
+#include "common/picture/heat_map.h"
 #include "common/picture/solids.h"
 #include "common/picture/viewport.h"
 
@@ -28,6 +29,10 @@ Rectangle SideContents(const Drawing& drawing);
 
 void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing);
 void DrawSideView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing);
+
+// The cells of a heat map in the plane of a top view, and the legend above all else.
+void DrawHeat(Canvas& canvas, const Viewport& viewport, const HeatMap& heat);
+void DrawHeatLegend(Canvas& canvas, const Viewport& viewport, const HeatMap& heat);
 
 // The marks of one shape, in the view's plane.
 void DrawMarks(Canvas& canvas, const Viewport& viewport, const Drawing& drawing, PictureView view, MarkShape shape);

@@ -277,6 +277,7 @@ void AddDerivedSignals(StateTable& table) {
   if (table.name == "doors") AddOfDoors(table);
   if (table.name == "lifts") AddOfLifts(table);
   if (table.name == "people") AddOfPeople(table);
+  AddWaitSignals(table);
 }
 
 }  // namespace troupe

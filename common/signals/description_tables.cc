@@ -88,6 +88,7 @@ StateTable MakeLanes() {
                  [](const SignalView& view, std::size_t row) {
                    return IsLaneClosed(view.world, view.state, static_cast<std::uint32_t>(row));
                  });
+  AddWaitSignals(table);
   return table;
 }
 
@@ -165,10 +166,7 @@ std::vector<std::vector<ThingName>> NameDescribedThings(const WorldDescription& 
   std::vector<std::vector<ThingName>> names(3);
   for (const LevelDescription& level : world.levels) names[0].push_back({level.name});
   for (const LaneRow& place : FindLanes(world)) {
-    const LaneGraph& graph = world.lane_graphs[place.graph];
-    const Lane& lane = graph.lanes[place.lane];
-    names[1].push_back({std::to_string(graph.number) + ": " + NameOfVertex(graph, lane.start) + " - " +
-                        NameOfVertex(graph, lane.end)});
+    names[1].push_back({NameOfLane(world.lane_graphs[place.graph], place.lane)});
   }
   for (const SensorPlace& place : FindSensors(world)) {
     const RobotDescription& robot = world.robot(place.robot);

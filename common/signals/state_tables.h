@@ -83,6 +83,8 @@ std::string TextOf(const WorldDescription& world, GripperId gripper);
 
 // Adds the signals that follow from the fields of a row.
 void AddDerivedSignals(StateTable& table);
+// Adds those of the waits of robots.
+void AddWaitSignals(StateTable& table);
 
 // The tables of what only the description has, and the names of their rows.
 std::vector<StateTable> MakeDescriptionTables();

@@ -102,6 +102,18 @@ class OrderCheck {
     return BadInput("found zone " + std::to_string(order.zone) + ", expected one of the world's " +
                     std::to_string(world_.zones.size()));
   }
+  Status operator()(const WaitOrder& order) const {
+    if (!robot_) return NeedsRobot("a wait");
+    if (order.thing && order.thing->index() >= world_.models.size()) {
+      return BadInput("found a wait for model " + std::to_string(order.thing->index()) +
+                      ", expected one of the world's " + std::to_string(world_.models.size()));
+    }
+    std::size_t lanes = 0;
+    for (const LaneGraph& graph : world_.lane_graphs) lanes += graph.lanes.size();
+    if (!order.lane || *order.lane < lanes) return {};
+    return BadInput("found a wait at lane " + std::to_string(*order.lane) + ", expected one of the world's " +
+                    std::to_string(lanes));
+  }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");
     // A twist that a tool sets is a jump: only the bounds of the velocity count, not the bounds of the acceleration.
@@ -164,6 +176,7 @@ Status CheckInput(const Scene& scene, const Input& input) {
   if (std::holds_alternative<ChargeOrder>(input.order) || std::holds_alternative<JobOrder>(input.order)) {
     return BadInput("found a demand of a robot, expected an order of a tool");
   }
+  if (std::holds_alternative<WaitOrder>(input.order)) return BadInput("found a wait, expected an order of a tool");
   if (input.robot && !HasRobot(world, *input.robot)) {
     return BadInput("found an order for a robot that the world does not have");
   }

@@ -44,18 +44,23 @@ enum class EventType : std::uint8_t {
   kGoodsRefused = 26,  // there is no room for goods of the flow `detail`
   kGoodsLoaded = 27,   // `robot` has goods of the flow `detail`
   kDelivered = 28,     // `robot` has brought them to their end
+  // Of robots on their ways (RobotWait).
+  kWaitBegan = 29,       // the robot has waited for 10 s, for `other` or before the lane `detail`
+  kWaitEnded = 30,       // it goes on, after a wait that was told; `detail` has its duration
+  kDeadlockBroken = 31,  // the robot goes on; the robots `detail` had waited for each other
+  kReplanned = 32,       // the robot has met `other` on a lane, which is closed for a time; `detail` names it
+  kNoWay = 33,           // the robot has had no way to its goal for 10 s; `detail` names the goal
 };
 // The events of doors, lifts and people: they are frequent, and summaries count them instead of telling each.
 constexpr bool IsOfBuilding(EventType type) {
-  return type >= EventType::kDoorOpened;
+  return type >= EventType::kDoorOpened && type <= EventType::kDelivered;
+}
+// The events of robots on their ways, which are frequent, too.
+constexpr bool IsOfTraffic(EventType type) {
+  return type >= EventType::kWaitBegan;
 }
 constexpr auto NamesOf(EventType) {
-  return std::array{"stall_began",     "stall_ended",    "joined",          "left",          "proposal_rejected",
-                    "blocked",         "gripped",        "released",        "landed",        "unstable",
-                    "out_of_energy",   "said",           "reported",        "door_opened",   "door_closed",
-                    "door_blocked",    "lift_left",      "lift_arrived",    "lift_blocked",  "person_boarded",
-                    "person_alighted", "person_arrived", "lift_overloaded", "lane_switched", "zone_switched",
-                    "goods_arrived",   "goods_refused",  "goods_loaded",    "delivered"};
+  return std::array{"stall_began", "stall_ended", "joined", "left", "proposal_rejected", "blocked", "gripped", "released", "landed", "unstable", "out_of_energy", "said", "reported", "door_opened", "door_closed", "door_blocked", "lift_left", "lift_arrived", "lift_blocked", "person_boarded", "person_alighted", "person_arrived", "lift_overloaded", "lane_switched", "zone_switched", "goods_arrived", "goods_refused", "goods_loaded", "delivered", "wait_began", "wait_ended", "deadlock_broken", "replanned", "no_way"};
 }
 
 struct Event {

@@ -157,6 +157,19 @@ struct ZoneOrder {
   }
 };
 
+// Of a robot that stands on its way to a goal, in each tick in which it does (RobotWait).
+struct WaitOrder {
+  std::optional<ModelId> thing = {};       // for which it waits; nothing: it does not know
+  std::optional<std::uint32_t> lane = {};  // on which it cannot go on, counted through all graphs
+  bool operator==(const WaitOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"thing", &WaitOrder::thing},
+        Field{"lane", &WaitOrder::lane},
+    };
+  }
+};
+
 // Sets the velocity of a robot at the end of the tick, from which its drive accelerates. Of tools only.
 struct TwistOrder {
   Twist twist = {};  // in R, within the limits of the drive
@@ -165,7 +178,7 @@ struct TwistOrder {
 };
 
 using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder, TrafficOrder, ChargeOrder,
-                           JobOrder, LaneOrder, ZoneOrder>;
+                           JobOrder, WaitOrder, LaneOrder, ZoneOrder>;
 
 // An order from outside of the simulation, for one tick.
 struct Input {

@@ -209,6 +209,18 @@ struct TimedAction {
   }
 };
 
+// Vertices and lanes counted through all graphs of a world, in their order, as the traffic of robots has them.
+struct GraphPlace {
+  std::size_t graph = 0;
+  std::size_t number = 0;  // of the vertex or lane in its graph
+};
+// Nothing for a number beyond the last one; rides of lifts are counted behind the lanes.
+std::optional<GraphPlace> FindVertex(std::span<const LaneGraph> graphs, std::size_t vertex);
+std::optional<GraphPlace> FindLane(std::span<const LaneGraph> graphs, std::size_t lane);
+// "dock", or "vertex 3" of one without a name; of a lane "GRAPH: START - END".
+std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex);
+std::string NameOfLane(const LaneGraph& graph, std::size_t lane);
+
 // The vertex nearest to a point, by the distance in the plane and `per_height` m for each m of height between them; of
 // several the first. Nothing if the graph has no vertex.
 struct NearVertex {

@@ -1,5 +1,6 @@
-// The traffic of robots on lanes, as a part of a WorldState: who takes part, the plan for all of them, and the lanes
-// that it does not use for a time. common/traffic/traffic_plan.h says how plans are made and executed.
+// The traffic of robots on lanes, as a part of a WorldState: who takes part, the plan for all of them, the lanes that
+// it does not use for a time, and what robots wait for. common/traffic/traffic_plan.h says how plans are made and
+// executed.
 //
 // Vertices and lanes are counted through all graphs of the world, in their order; the rides of lifts come after all
 // lanes.
@@ -75,6 +76,23 @@ struct LaneClosure {
         Field{"lane", &LaneClosure::lane},
         Field{"until", &LaneClosure::until, "it opens then"}.In("tick"),
         Field{"ticks", &LaneClosure::ticks, "that it was closed for the last time"}.In("tick"),
+    };
+  }
+};
+
+// A robot that stands on its way to a goal, of the planned traffic or of another controller that says so (WaitOrder).
+struct RobotWait {
+  RobotId robot;
+  Tick since = 0;
+  std::optional<ModelId> thing = {};
+  std::optional<std::uint32_t> lane = {};
+  bool operator==(const RobotWait&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &RobotWait::robot},
+        Field{"since", &RobotWait::since, "it waits"}.In("tick"),
+        Field{"thing", &RobotWait::thing, "for which it waits: a robot, person, object, door or lift; none: not known"},
+        Field{"lane", &RobotWait::lane, "on which it cannot go on; without a thing perhaps a closed one"},
     };
   }
 };

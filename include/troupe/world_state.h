@@ -252,6 +252,7 @@ struct WorldState {
   std::vector<ChargingRobot> charging_robots = {};  // ascending
   std::vector<FlowState> flows = {};
   std::vector<Job> jobs = {};  // in the order of their times, then of flows
+  std::vector<RobotWait> waits = {};              // ascending
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -277,6 +278,7 @@ struct WorldState {
         Field{"charging_robots", &WorldState::charging_robots, "robots that want to charge"},
         Field{"flows", &WorldState::flows, "in the order of WorldDescription::flows"},
         Field{"jobs", &WorldState::jobs, "goods that wait to be brought somewhere, or are on their way"},
+        Field{"waits", &WorldState::waits, "robots that wait on their ways to goals"},
     };
   }
 };
@@ -286,7 +288,7 @@ template <typename Row>
 inline constexpr bool kIsVaryingTable =
     std::is_same_v<Row, RadioTransmission> || std::is_same_v<Row, TrafficRobot> || std::is_same_v<Row, TrafficMove> ||
     std::is_same_v<Row, LaneClosure> || std::is_same_v<Row, LaneRule> || std::is_same_v<Row, ChargingRobot> ||
-    std::is_same_v<Row, Job>;
+    std::is_same_v<Row, Job> || std::is_same_v<Row, RobotWait>;
 
 // Calls visit(table) for each field that is a list of rows: Field<WorldState, std::vector<Row>>.
 template <typename Visit>

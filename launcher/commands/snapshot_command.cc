@@ -18,6 +18,7 @@
 #include "common/base/distinct_files.h"
 #include "common/base/file.h"
 #include "common/base/print.h"
+#include "common/picture/heat_map.h"
 #include "common/sensing/sensor_suite.h"
 #include "common/spatial/occupancy_grid.h"
 #include "launcher/commands/check_command.h"
@@ -116,6 +117,78 @@ Result<FoundCamera> FindCamera(const WorldDescription& world, const std::string&
                            known.empty() ? "a robot with a camera" : "one of: " + known)};
 }
 
+// The map that the options ask for, without any tick.
+HeatMap MakeHeatMap(const SnapshotOptions& options) {
+  HeatMap heat(FindByName<HeatKind>(options.heat).value_or(HeatKind::kRobots),
+               options.cell.value_or(HeatMap::kDefaultCell));
+  if (!options.heights.empty()) heat.SetHeights(options.heights[0], options.heights[1]);
+  return heat;
+}
+
+// What a heat map cannot be combined with.
+Status CheckHeat(const SnapshotOptions& options) {
+  const auto refuse = [](const std::string& problem) { return Error{{}, problem, ErrorCode::kBadInput}; };
+  if (options.heat.empty()) {
+    if (options.cell) return refuse("found --cell, expected it with --heat");
+    if (options.since > 0) return refuse("found --since, expected it with --heat");
+    return {};
+  }
+  if (options.cell && (*options.cell < HeatMap::kMinCell || *options.cell > HeatMap::kMaxCell)) {
+    return refuse(
+        fmt::format("--cell: found {} m, expected {} to {} m", *options.cell, HeatMap::kMinCell, HeatMap::kMaxCell));
+  }
+  if (options.view == "side") return refuse("found --heat with --view side, expected a view from above");
+  if (!options.camera.empty()) return refuse("found --heat with --camera, expected one of both");
+  if (options.rays) return refuse("found --heat with --rays, expected one of both");
+  if (options.tick && *options.tick <= options.since) {
+    return refuse(fmt::format("found --tick {}, expected more than --since {}", *options.tick, options.since));
+  }
+  if (!options.tick && !IsRecordingPath(options.file)) return refuse("found --heat without --tick, expected both");
+  return {};
+}
+
+// The picture of a state with a heat map.
+Status SaveHeat(const WorldDescription& world, const WorldState& state, const SnapshotOptions& options,
+                PictureOptions picture, const HeatMap& heat) {
+  const Result<PictureFormat> format = PictureFormatOf(options.output);
+  if (!format.ok()) return format.error();
+  picture.format = format.value();
+  if (!options.heights.empty()) {
+    const Storey storey = AtHeights(world, state, options.heights[0], options.heights[1]);
+    const Result<std::string> bytes = DrawPicture(storey.world, storey.state, {}, picture, {}, &heat);
+    return bytes.ok() ? WriteWholeFile(options.output, bytes.value()) : bytes.error();
+  }
+  const Result<std::string> bytes = DrawPicture(world, state, {}, picture, {}, &heat);
+  return bytes.ok() ? WriteWholeFile(options.output, bytes.value()) : bytes.error();
+}
+
+// All states of a recording up to a tick. After a rewind the map begins anew: the ticks behind it are not those of the
+// run any more.
+int SnapshotHeatOfRecording(const SnapshotOptions& options, const Recording& recording, const PictureOptions& picture) {
+  Result<ReplayCursor> cursor = ReplayCursor::At(recording);
+  if (!cursor.ok()) return Fail(cursor.error());
+  if (const Status problem = CheckPicture(options); !problem.ok()) return Fail(problem.error());
+  HeatMap heat = MakeHeatMap(options);
+  std::optional<Tick> newest;
+  for (;;) {
+    const Result<bool> stepped = cursor.value().Step();
+    if (!stepped.ok()) return Fail(stepped.error());
+    if (!stepped.value()) break;
+    const WorldState& state = cursor.value().world().state();
+    if (newest && state.tick < *newest) heat.Clear();
+    if (newest && state.tick > *newest && state.tick > options.since) heat.Add(cursor.value().world().world(), state);
+    newest = state.tick;
+    if (options.tick && state.tick == *options.tick) break;
+  }
+  if (options.tick && newest != *options.tick) {
+    return Fail({{options.file},
+                 fmt::format("found no tick {}: the recording ends at tick {}", *options.tick, newest.value_or(0))});
+  }
+  const ReplayedWorld& world = cursor.value().world();
+  const Status saved = SaveHeat(world.world(), world.state(), options, picture, heat);
+  return saved.ok() ? kExitDone : Fail(saved.error());
+}
+
 // The picture of a state, or the view of a camera in it.
 // A part of the heights is a world of its own, with a scene and an index of its own: the drawing code knows no storeys.
 Status SaveState(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const SnapshotOptions& options,
@@ -150,7 +223,8 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
   }
   const Result<Recording> recording = OpenToReplay(options.file);
   if (!recording.ok()) return Fail(recording.error());
-  const Result<ReplayCursor> cursor = ReplayCursor::AtTick(recording.value(), options.tick);
+  if (!options.heat.empty()) return SnapshotHeatOfRecording(options, recording.value(), picture);
+  const Result<ReplayCursor> cursor = ReplayCursor::AtTick(recording.value(), options.tick.value_or(0));
   if (!cursor.ok()) return Fail(cursor.error());
   const ReplayedWorld& world = cursor.value().world();
   if (!options.camera.empty()) {
@@ -164,6 +238,18 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
     return Fail(problem.error());
   }
   return kExitDone;
+}
+
+// A run is stepped tick by tick.
+int SnapshotHeat(const SnapshotOptions& options, const PictureOptions& picture, Simulation& simulation) {
+  HeatMap heat = MakeHeatMap(options);
+  while (simulation.state().tick < options.tick.value_or(0)) {
+    simulation.Step(1);
+    if (simulation.state().tick > options.since) heat.Add(simulation.world(), simulation.state());
+  }
+  for (const std::string& failure : simulation.failures()) PrintPlain(stderr, "warning: {}\n", failure);
+  const Status saved = SaveHeat(simulation.world(), simulation.state(), options, picture, heat);
+  return saved.ok() ? kExitDone : Fail(saved.error());
 }
 
 constexpr std::uint64_t kMaxCells = 400'000'000;
@@ -276,7 +362,10 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->required()
       ->check(NotEmpty())
       ->type_name("FILE");
-  command->add_option("--tick", options->tick, "Run to this tick first (default: 0, the world as loaded)")
+  command
+      ->add_option(
+          "--tick", options->tick,
+          "Run to this tick first (default: 0, the world as loaded; of a heat map of a recording its last tick)")
       ->check(WholeNumber(0))
       ->type_name("N");
   command->add_option("--view", options->view, "top, or side: seen along +y (default: top)")
@@ -287,6 +376,24 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->type_name("CAMERA");
   command->add_flag("--depth", options->depths, "The camera's depths instead of its colours: white is near");
   command->add_flag("--rays", options->rays, "Draw the readings of all sensors");
+
+  const char* map = "Heat map";
+  command
+      ->add_option("--heat", options->heat,
+                   "Draw where robots or people spent their time, or where robots waited: robots, people or waits")
+      ->check(OneOf({"robots", "people", "waits"}))
+      ->type_name("WHAT")
+      ->group(map);
+  command->add_option("--since", options->since, "It begins after this tick (default: 0)")
+      ->check(WholeNumber(0))
+      ->type_name("N")
+      ->group(map);
+  command
+      ->add_option("--cell", options->cell,
+                   fmt::format("Side of its cells in metres (default: {})", HeatMap::kDefaultCell))
+      ->check(PositiveNumber())
+      ->type_name("METRES")
+      ->group(map);
 
   const char* part = "Part of the world";
   command->add_option("--center", options->center, "Its middle, m (default: the world's middle)")
@@ -324,6 +431,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
 // ticks.
 int SnapshotCommand(const SnapshotOptions& options) {
   if (const Result<PictureFormat> format = PictureFormatOf(options.output); !format.ok()) return Fail(format.error());
+  if (const Status problem = CheckHeat(options); !problem.ok()) return Fail(problem.error());
   const PictureOptions picture_options = ToPictureOptions(options);
   if (const Status problem = CheckPictureOptions(picture_options); !problem.ok()) return Fail(problem.error());
 
@@ -335,7 +443,7 @@ int SnapshotCommand(const SnapshotOptions& options) {
   SimulationOptions simulation_options;
   simulation_options.seed = options.seed;
   simulation_options.controller = options.controller;
-  simulation_options.run_controllers = options.tick > 0;
+  simulation_options.run_controllers = options.tick.value_or(0) > 0;
   Result<Simulation> loaded = Simulation::Load(options.file, simulation_options);
   if (!loaded.ok()) return Fail(loaded.error());
   Simulation& simulation = loaded.value();
@@ -348,7 +456,8 @@ int SnapshotCommand(const SnapshotOptions& options) {
   for (const Warning& warning : simulation.warnings()) PrintPlain(stderr, "{}\n", warning.ToString());
   if (const Status problem = CheckPicture(options); !problem.ok()) return Fail(problem.error());
 
-  simulation.Step(options.tick);
+  if (!options.heat.empty()) return SnapshotHeat(options, picture_options, simulation);
+  simulation.Step(options.tick.value_or(0));
   for (const std::string& failure : simulation.failures()) PrintPlain(stderr, "warning: {}\n", failure);
   const CameraImage image = options.depths ? CameraImage::kDepths : CameraImage::kColors;
   if (!options.heights.empty()) {

@@ -14,7 +14,8 @@ namespace {
 // The level of the log message, by which Foxglove filters and colours.
 bool IsWarning(EventType type) {
   return type == EventType::kLeft || type == EventType::kProposalRejected || type == EventType::kBlocked ||
-         type == EventType::kStallBegan || type == EventType::kUnstable;
+         type == EventType::kStallBegan || type == EventType::kUnstable || type == EventType::kWaitBegan ||
+         type == EventType::kNoWay;
 }
 
 // Scene and map are written when the world changes, all else with each state.

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "command_line/terminal.h"
@@ -84,6 +85,8 @@ RunSummary ReadEnd(const JsonReader& json) {
   json.Read("interrupted", summary.interrupted);
   json.Read("record_waited_seconds", summary.record_waited_seconds);
   json.Read("totals", summary.totals);
+  json.Read("traffic", summary.traffic);
+  json.Read("waits", summary.waits);
   json.Read("totals_since", summary.totals_since);
   json.Read("flows", summary.flows);
   json.Read("cleaning", summary.cleaning);
@@ -199,8 +202,8 @@ void Progress::Update(const StatusMessage& status) {
 // Frequent events are in recordings and event topics, for users who need each.
 void Progress::TellEvent(Tick tick, const std::string& event, const std::string& text) {
   const std::optional<EventType> type = FindByName<EventType>(event);
-  const bool is_frequent =
-      type && (type == EventType::kStallBegan || type == EventType::kStallEnded || IsOfBuilding(*type));
+  const bool is_frequent = type && (type == EventType::kStallBegan || type == EventType::kStallEnded ||
+                                    IsOfBuilding(*type) || IsOfTraffic(*type));
   // Agents that join at tick 0 begin the run, unless one has been lost since.
   const bool start = tick == 0 && type == EventType::kJoined && !has_lost_agent_;
   has_lost_agent_ = has_lost_agent_ || type == EventType::kLeft;
@@ -326,6 +329,26 @@ std::string SiteText(const RunSummary& run) {
   return text;
 }
 
+constexpr std::size_t kPlacesShown = 3;  // of a kind
+
+// Of robots on lanes: how they flow, and where they wait most. Empty without any.
+std::string TrafficText(const RunSummary& run) {
+  std::string text;
+  const TrafficTotal& traffic = run.traffic;
+  if (traffic.robots > 0) {
+    text += fmt::format("{} on lanes: {} ({:.0f} an hour), {:.0f} % of their time moving to goals, {:.0f} % waiting\n",
+                        CountText(traffic.robots, "robot"), CountText(traffic.arrivals, "arrival"),
+                        traffic.arrivals_per_hour, 100.0 * traffic.utilisation, 100.0 * traffic.waiting);
+  }
+  std::map<std::string, std::size_t> shown;  // by kind
+  for (const PlaceWaits& place : run.waits) {
+    if (++shown[place.kind] > kPlacesShown) continue;
+    text += fmt::format("waits at {} {}: {:.1f} s in {}, the longest {:.1f} s\n", place.kind,
+                        PlainLine(place.place, 60), place.seconds, CountText(place.waits, "wait"), place.longest);
+  }
+  return text;
+}
+
 // What only those want to know who look after the processes.
 std::string ProcessesText(const RunOutcome& outcome) {
   const RunSummary& run = outcome.run;
@@ -376,6 +399,7 @@ std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& opt
                       HashText(run.state_hash));
   text += RobotsText(run, options.has_styles);
   text += SiteText(run);
+  text += TrafficText(run);
   if (run.rejected > 0) text += CountText(run.rejected, "proposal") + " rejected\n";
   if (options.with_stats) text += ProcessesText(outcome);
   if (outcome.service_restarted > 0) {
@@ -409,6 +433,8 @@ std::string SummaryJson(const RunOutcome& outcome) {
   for (const FlowTotal& flow : run.flows) flows.push_back(FieldsToJson<nlohmann::ordered_json>(flow));
   nlohmann::ordered_json cleaning = nlohmann::ordered_json::array();
   for (const CleaningTotal& zone : run.cleaning) cleaning.push_back(FieldsToJson<nlohmann::ordered_json>(zone));
+  nlohmann::ordered_json waits = nlohmann::ordered_json::array();
+  for (const PlaceWaits& place : run.waits) waits.push_back(FieldsToJson<nlohmann::ordered_json>(place));
   nlohmann::ordered_json json = {
       {"ticks", run.ticks},
       {"sim_seconds", run.sim_seconds},
@@ -430,6 +456,8 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"robot_totals", std::move(totals)},
       {"flows", std::move(flows)},
       {"cleaning", std::move(cleaning)},
+      {"traffic", FieldsToJson<nlohmann::ordered_json>(run.traffic)},
+      {"waits", std::move(waits)},
       {"lost", run.lost},
       {"frozen", run.frozen},
       {"missing_files", outcome.missing_files},

@@ -243,10 +243,10 @@ void ForEach(py::handle rows, const char* what, Add&& add) {
 Order ToOrder(py::handle row) {
   const auto is = [row](const char* record) { return py::isinstance(row, Record(record)); };
   if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder") && !is("TrafficOrder") &&
-      !is("ChargeOrder") && !is("JobOrder")) {
+      !is("ChargeOrder") && !is("JobOrder") && !is("WaitOrder")) {
     throw py::type_error(
         fmt::format("orders: found {}, expected LightOrder, CameraOrder, DoorOrder, LiftOrder, "
-                    "TrafficOrder, ChargeOrder or JobOrder",
+                    "TrafficOrder, ChargeOrder, JobOrder or WaitOrder",
                     TypeName(row)));
   }
   const auto m = py::reinterpret_borrow<py::tuple>(row);
@@ -259,6 +259,10 @@ Order ToOrder(py::handle row) {
     return ChargeOrder{m[0].is_none() ? std::nullopt : std::optional(number(0, "vertex")), ToBool(m[1], "at_charger")};
   }
   if (is("JobOrder")) return JobOrder{ToBool(m[0], "free"), ToBool(m[1], "loads"), ToBool(m[2], "delivers")};
+  if (is("WaitOrder")) {
+    return WaitOrder{m[0].is_none() ? std::nullopt : std::optional(ModelId(ToIndex(m[0], "thing"))),
+                     m[1].is_none() ? std::nullopt : std::optional(number(1, "lane"))};
+  }
   return TrafficOrder{.at = number(0, "at"),
                       .goal = m[1].is_none() ? std::nullopt : std::optional(number(1, "goal")),
                       .holds = ToBool(m[2], "holds"),

@@ -17,7 +17,7 @@ __all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "Gr
            "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "Map", "CameraReading", "Place",
            "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
            "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightOrder", "CameraOrder", "DoorOrder",
-           "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "ChargeOrder", "JobOrder", "Command"]
+           "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "ChargeOrder", "JobOrder", "WaitOrder", "Command"]
 
 
 class Pose(NamedTuple):
@@ -450,6 +450,13 @@ class JobOrder(NamedTuple):
     delivers: bool = False  # they are where they have to be
 
 
+class WaitOrder(NamedTuple):
+    """Says that it stands on its way to a goal, in each tick in which it does: the table `waits`, signals and events tell it."""
+
+    thing: Optional[int] = None  # the model for which it waits; None: it does not know
+    lane: Optional[int] = None  # on which it cannot go on, counted through all graphs of the world
+
+
 class Command(NamedTuple):
     """The command for one tick. A motion ends with the tick; the other commands are valid until the next ones."""
 
@@ -461,6 +468,6 @@ class Command(NamedTuple):
     grippers: Sequence[GripperCommand] = ()
     joints: Sequence[JointCommand] = ()
     messages: Sequence[RadioMessage] = ()
-    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder, ChargeOrder, JobOrder]] = ()  # executed in order
+    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder, ChargeOrder, JobOrder, WaitOrder]] = ()  # executed in order
     report: str = ""  # an event of the run, for users
     say: str = ""  # a text for users, an event of the run

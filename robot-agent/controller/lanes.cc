@@ -64,6 +64,10 @@ class LanesController final : public Controller, public RobotWatcher {
         controls_(info, graph),
         giving_way_(id_, graph, info.lane_graphs, steer_.speed) {
     if (settings.planned) plan_.emplace(id_, graph, info.lane_graphs);
+    for (const LaneGraph& each : info.lane_graphs) {
+      if (&each == &graph) break;
+      first_lane_ += each.lanes.size();
+    }
     for (const LaneVertex& vertex : graph_->vertices) AddGroup(vertex.mutex);
     for (const Lane& lane : graph_->lanes) AddGroup(lane.mutex);
   }
@@ -86,6 +90,7 @@ class LanesController final : public Controller, public RobotWatcher {
     now_ = &observation;
     command_ = {};
     is_blocked_ = false;
+    wait_.reset();
     controls_.Begin(observation, command_);
     if (!has_started_) Start();
     const double patience = observation.stalled ? Recovery::kPatience
@@ -121,6 +126,8 @@ class LanesController final : public Controller, public RobotWatcher {
     controls_.EndSessions(NeededVertices());
     if (plan_) AddTrafficOrder();
     tasks_.AddOrders(observation, command_);
+    const bool stands = command_.twist.IsZero() && command_.speed == 0.0;
+    if (wait_ && stands) command_.orders.emplace_back(*wait_);
     return std::move(command_);
   }
 
@@ -130,6 +137,22 @@ class LanesController final : public Controller, public RobotWatcher {
   static double SpeedOf(const DriveDescription& drive, const LaneSettings& settings) {
     if (settings.speed > 0.0) return settings.speed;
     return std::clamp(drive.velocity.x.max, 0.01, LaneSettings::kMaxSpeed);
+  }
+
+  // It cannot go on along the first leg because of a thing, if it knows one.
+  void NoteWait(std::optional<ModelId> thing) {
+    const std::optional<std::size_t> lane = legs_.empty() ? std::nullopt : legs_.front().lane;
+    wait_ = {thing, lane ? std::optional(static_cast<std::uint32_t>(first_lane_ + *lane)) : std::nullopt};
+  }
+  void NoteWaitForLift(std::size_t vertex_of_lift) {
+    const std::optional<std::uint32_t> lift = vertex(vertex_of_lift).lift;
+    NoteWait(lift && around_ ? std::optional(around_->world().lifts[*lift].model) : std::nullopt);
+  }
+  void NoteWaitForDoor(const LaneDoor& door) {
+    NoteWait(around_ ? std::optional(around_->world().doors[door.door].model) : std::nullopt);
+  }
+  void NoteWaitForRobot(RobotId robot) {
+    NoteWait(around_ ? std::optional(around_->world().robot(robot).root) : std::nullopt);
   }
 
   void AddGroup(const std::string& name) {
@@ -278,6 +301,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const double rested = now_->time - *rest_since_;
     const bool was_aside = tasks_.is_aside();
     if (target_ && *target_ != at_) {
+      NoteWait(std::nullopt);
       if (waits_for_lanes_) return GiveRoom(rested, giving_way_.IsInTheWay(place()));
       // The route may be closed for a moment only. In the planned traffic it waits for its next move.
       if (rested < kNoWaySeconds || (plan_ && !is_unreachable_)) return;
@@ -304,7 +328,7 @@ class LanesController final : public Controller, public RobotWatcher {
   // Along the present leg.
 
   void Follow() {
-    if (plan_ && !plan_->takes_part()) return;
+    if (plan_ && !plan_->takes_part()) return NoteWait(std::nullopt);
     const Leg leg = legs_.front();
     if (!leg.lane && leg.from != leg.to) return Ride(leg);
     if (!is_on_leg_) {
@@ -327,6 +351,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const std::size_t in = enters ? leg.to : leg.from;
     controls_.CallLift(in);
     if (controls_.StandsOpenAt(in)) return true;
+    NoteWaitForLift(in);
     switch (controls_.PlaceAt(in, position(), radius_)) {
       case SiteControls::AtCabin::kInside:
         return enters;
@@ -390,16 +415,22 @@ class LanesController final : public Controller, public RobotWatcher {
     const std::optional<std::uint32_t> lift = vertex(leg.from).lift;
     if (lift) {  // out of a cabin
       controls_.CallLift(leg.from);
-      if (!controls_.StandsOpenAt(leg.from)) return false;
+      if (!controls_.StandsOpenAt(leg.from)) {
+        NoteWaitForLift(leg.from);
+        return false;
+      }
     }
     for (std::size_t i = 0; i < std::min<std::size_t>(legs_.size(), 2); ++i) {
       const std::size_t to = legs_[i].to;
       if (!vertex(to).lift || vertex(to).lift == lift || !legs_[i].lane) continue;
-      if (!controls_.AwaitLift(to, others_)) return false;
-      if (i == 0 && (!controls_.StandsOpenAt(to) || IsTaken(vertex(to), others_, radius_))) return false;
+      const bool is_called = controls_.AwaitLift(to, others_);
+      if (is_called && (i > 0 || (controls_.StandsOpenAt(to) && !IsTaken(vertex(to), others_, radius_)))) continue;
+      NoteWaitForLift(to);
+      return false;
     }
     for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), 0.0, radius_)) {
       if (ahead.way_before > 0.0 || controls_.OpenDoor(*ahead.door)) continue;
+      NoteWaitForDoor(*ahead.door);
       if (controls_.IsStuck(*ahead.door)) ObstructByDoor(*ahead.door, leg, 0.0);
       return false;
     }
@@ -414,6 +445,7 @@ class LanesController final : public Controller, public RobotWatcher {
       if (std::find(held_.begin(), held_.end(), group) != held_.end()) continue;
       const MutexGroup::View view = groups_.at(group).Look(*graph_, others_);
       if (turn_.MayEnter(view, id_, now_->time)) continue;
+      NoteWait(std::nullopt);
       if (view.holder) Block(*view.holder, leg);
       return false;
     }
@@ -447,6 +479,7 @@ class LanesController final : public Controller, public RobotWatcher {
     for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), at, radius_)) {
       if (controls_.OpenDoor(*ahead.door)) continue;
       most = std::min(most, BrakingSpeed(drive_, ahead.way_before));
+      if (most < kCreep) NoteWaitForDoor(*ahead.door);
       if (most < kCreep && controls_.IsStuck(*ahead.door)) return ObstructByDoor(*ahead.door, leg, at);
     }
     const Vec2 start = leg.lane ? Vec2(vertex(leg.from).position + at * along) : position();
@@ -454,6 +487,7 @@ class LanesController final : public Controller, public RobotWatcher {
       most = std::min(most, BrakingSpeed(drive_, obstacle->room));
       if (most < kCreep) {
         waits_for_person_ = obstacle->is_person;
+        NoteWait(obstacle->model);
         return Obstruct(obstacle->name, leg, at);
       }
     }
@@ -533,6 +567,7 @@ class LanesController final : public Controller, public RobotWatcher {
   // Another robot is in the way.
   void Block(RobotId other, const Leg& leg, double at = 0.0) {
     is_blocked_ = true;
+    NoteWaitForRobot(other);
     if (plan_) {
       // The plan has the turns of robots; one that stays is not where the plan takes it to be, or takes no part.
       if (has_arrived_) ObstructMove(NameOfRobot(other), leg);
@@ -626,7 +661,8 @@ class LanesController final : public Controller, public RobotWatcher {
   SiteControls controls_;
   GivingWay giving_way_;
   std::map<std::string, MutexGroup> groups_;
-  std::vector<double> radii_;  // by robot
+  std::size_t first_lane_ = 0;  // of its graph, among those of all
+  std::vector<double> radii_;   // by robot
   double radius_ = 0.0;
   double half_width_ = 0.0;
 
@@ -636,6 +672,7 @@ class LanesController final : public Controller, public RobotWatcher {
   Command command_;
   std::vector<SeenRobot> others_;
   bool is_blocked_ = false;
+  std::optional<WaitOrder> wait_;  // it cannot go on
 
   bool waits_for_person_ = false;           // in the last tick
   std::optional<PlannedWay> plan_;          // nothing: it finds its own way

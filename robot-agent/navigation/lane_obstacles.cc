@@ -38,7 +38,7 @@ std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotI
     if (walker.vx != 0.0 || walker.vy != 0.0) return std::nullopt;
     model = world.person(*person).root;
   }
-  return LaneObstacle{world.model(model).name, contact->room, person.has_value()};
+  return LaneObstacle{model, world.model(model).name, contact->room, person.has_value()};
 }
 
 ClosedLanes::Block ClosedLanes::Count(std::size_t lane) {

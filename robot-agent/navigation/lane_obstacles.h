@@ -20,6 +20,7 @@
 namespace troupe {
 
 struct LaneObstacle {
+  ModelId model;      // the static model, or the root of the object or person
   std::string name;   // of the static model, or of the root of the object or person
   double room = 0.0;  // m, that the robot can move until it touches it
   bool is_person = false;

@@ -142,6 +142,9 @@ const pictures = {
   viewer_stack: () => ofRun('viewer_stack', {world: `${scenarios}/stacking.json`, tick: 400, hash: '&robot=builder&follow=1', at: [640, 330], steps: 5}),
   viewer_levels: () => ofRun('viewer_levels', {world: `${scenarios}/hotel.json`, tick: 240, hash: '&levels=beside&robot=tiny_1',
     prepare: page => page.click('#names')}),
+  waiting_graph: () => ofRun('waiting_graph', {
+    world: `${source}/worlds/sites/sidings.json`, tick: 700, hash: '&view=top', height: 420, prepare: page => page.click('#traffic'),
+  }),
   viewer_phone: () => ofRun('viewer_phone', {
     world: `${scenarios}/demo.json`, tick: 160, hash: '&robot=anna', width: 390, height: 844, more: {isMobile: true, hasTouch: true},
   }),

@@ -44,7 +44,7 @@ VALUES = {
     "--to": "11", "--tick": "5", "--view": "side", "--camera": "camera_bot", "--center": ("26", "4"), "--meters": "40",
     "--heights": ("0", "1"), "--width": "300", "--resolution": "0.5", "--height": "0.1", "--jobs": "1", "--shard": "1/2",
     "--case": "seed=2", "--search": "4", "--on": "run.mcap", "--junit": "junit.xml", "--report": "report", "--merge": "shard",
-    "--format": "csv", "--listen": "127.0.0.1:0", "--token-file": "token", "--case-timeout": "50", "--host-start": "{command}",
+    "--heat": "robots", "--since": "2", "--cell": "0.7", "--format": "csv", "--listen": "127.0.0.1:0", "--token-file": "token", "--case-timeout": "50", "--host-start": "{command}",
     "--session": "other", "--domain": str(DOMAIN + 50), "--service": "127.0.0.1", "--timeout": "30", "--tolerance": "0.3",
     "--turn-rate": "2", "--hold": "0.5", "--expect": "all.test.json", "--module": "module", "--output": "page.html",
     "--ros-discovery": "localhost", "--ros-peers": "127.0.0.1", "--ros-distro": "humble", "--ros-services": "cyclone",

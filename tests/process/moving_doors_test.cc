@@ -4,6 +4,9 @@
 #include <signal.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -74,6 +77,23 @@ TEST(TrafficOverDds, IsPlannedAlikeInEveryKindOfRun) {
   EXPECT_TRUE(HashesOf({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"}, kSidings) ==
               expected);
   OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(TrafficOverDds, HasTheSameSumsInEveryKindOfRun) {
+  TemporaryFolder folder;
+  const auto sums_of = [&](const std::vector<std::string>& options) {
+    const std::string file = folder.Path("summary");
+    OutputOf(Troupe(RunOf(kSidings, Words("--ticks 900 --speed max --summary %", {file}) + options)));
+    const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"));
+    return nlohmann::json{summary["traffic"], summary["waits"]};
+  };
+  const nlohmann::json expected = sums_of({"--in-process"});
+  EXPECT_EQ(expected[0]["robots"], 4);
+  EXPECT_GT(expected[0]["arrivals"], 0);
+  EXPECT_GT(expected[0]["utilisation"], 0.1);
+  EXPECT_FALSE(expected[1].empty()) << "they wait for each other";
+  EXPECT_EQ(sums_of({}), expected) << "a process for each robot";
+  EXPECT_EQ(sums_of({"--robots-per-process", "3", "--threads", "2"}), expected);
 }
 
 TEST(TrafficOverDds, IsPlannedAlikeWhateverDies) {

@@ -293,6 +293,30 @@ TEST_F(RecordingTest, IsDrawnAndChecked) {
               HasSubstr("recorded: ticks 0 to 60, 6 s simulated, 0 edits, 2 keyframes"));
 }
 
+// The same from a recording as from a run.
+TEST_F(RecordingTest, IsDrawnAsAHeatMap) {
+  Run({ScenarioPath("demo.json"), "--ticks", "60", "--speed", "max", "--in-process"});
+  const auto draw = [&](const std::string& file, const char* to, std::vector<std::string> options, int status = 0) {
+    std::vector<std::string> words = {"snapshot", file, "-o", Path(to), "--heat", "robots"};
+    words.insert(words.end(), options.begin(), options.end());
+    return OutputOf(Troupe(words), status);
+  };
+  draw(Path("run.mcap"), "a.svg", {});
+  draw(ScenarioPath("demo.json"), "b.svg", {"--tick", "60"});
+  EXPECT_TRUE(folder_.Read("a.svg") == folder_.Read("b.svg"));
+  EXPECT_THAT(folder_.Read("a.svg"), HasSubstr("time of robots"));
+  draw(Path("run.mcap"), "c.svg", {"--since", "30", "--tick", "50"});
+  draw(ScenarioPath("demo.json"), "d.svg", {"--since", "30", "--tick", "50"});
+  EXPECT_TRUE(folder_.Read("c.svg") == folder_.Read("d.svg"));
+  EXPECT_FALSE(folder_.Read("a.svg") == folder_.Read("c.svg"));
+  draw(Path("run.mcap"), "e.svg", {"--cell", "2"});
+  EXPECT_FALSE(folder_.Read("a.svg") == folder_.Read("e.svg"));
+  EXPECT_THAT(draw(Path("run.mcap"), "f.svg", {"--tick", "61"}, 2), HasSubstr("the recording ends at tick 60"));
+  EXPECT_THAT(draw(ScenarioPath("demo.json"), "f.svg", {}, 2), HasSubstr("found --heat without --tick"));
+  EXPECT_THAT(draw(Path("run.mcap"), "f.svg", {"--view", "side"}, 2), HasSubstr("found --heat with --view side"));
+  EXPECT_THAT(draw(Path("run.mcap"), "f.svg", {"--cell", "0.001"}, 2), HasSubstr("expected 0.05 to 100 m"));
+}
+
 class ChangedRecordingTest : public RecordingTest {
  protected:
   void SetUp() override {

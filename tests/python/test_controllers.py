@@ -183,7 +183,7 @@ class Controllers(unittest.TestCase):
         for i, command in enumerate(["'fast'", "(1,)", "(1, 2, 3, 4)", "('a', 'b')", "object()", "float('nan')",
                                      "(float('nan'), object())", "Command(vx='x')", "Command(grippers=[1])",
                                      "Command(joints=[JointCommand(9, 1.0)])", "Command(report=5)", "{1: 2}",
-                                     "Command(messages=[RadioMessage(99, b'x')])", "Command(orders=[LightOrder(7, True)])", "Command(orders=[5])",
+                                     "Command(messages=[RadioMessage(99, b'x')])", "Command(orders=[LightOrder(7, True)])", "Command(orders=[WaitOrder(99999)])", "Command(orders=[5])",
                                      "(_ for _ in ()).throw(SystemExit(3))", "(_ for _ in ()).throw(KeyboardInterrupt())"]):
             name = f"wrong{i}.py"
             self.write(name, f"""
@@ -232,6 +232,26 @@ class Controllers(unittest.TestCase):
         sim.step(3)
         self.assertEqual(sim.reports, [f"robot s0: tick {i}" for i in range(3)])
         self.assertIn(("said", "hello"), [(event.type, event.detail) for event in sim.events])
+
+    def test_says_what_it_waits_for(self):
+        self.write("wait.py", """
+            from troupe.controller import Command, Controller, WaitOrder
+            class Wait(Controller):
+                def __init__(self, robot): self.first = robot.id == 0
+                def update(self, seen):
+                    waits = self.first and 3 <= seen.tick < 20
+                    return Command(orders=[WaitOrder(thing=1)] if waits else [])
+            """)
+        sim = troupe.Simulation(self.scenario("./wait.py:Wait", robots=2))
+        sim.step(10)
+        self.assertEqual(sim.failures, [])
+        waits = sim.table("waits")
+        self.assertEqual([list(waits[column]) for column in ("robot", "since")], [["s0"], [4]])
+        robots = sim.table("robots")
+        self.assertEqual(list(robots["blocked_by"]), [waits["thing"][0], ""])
+        self.assertAlmostEqual(robots["wait_time"][0], 6 * sim.interval)
+        sim.step(11)
+        self.assertEqual(len(sim.table("waits")["robot"]), 0)
 
     def test_random_numbers_are_those_of_cpp(self):
         self.write("draw.py", """

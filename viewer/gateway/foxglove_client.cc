@@ -14,7 +14,8 @@ constexpr auto kStatePeriod = std::chrono::milliseconds(30);  // between two sta
 
 bool IsWarning(EventType type) {
   return type == EventType::kLeft || type == EventType::kProposalRejected || type == EventType::kBlocked ||
-         type == EventType::kStallBegan || type == EventType::kUnstable;
+         type == EventType::kStallBegan || type == EventType::kUnstable || type == EventType::kWaitBegan ||
+         type == EventType::kNoWay;
 }
 
 std::string TextOf(const NumberedEvent& numbered) {

@@ -53,7 +53,7 @@ class StateRows {
 enum class PageMessage : std::uint8_t { kWorld = 1, kUpdate = 2 };
 
 // Version of what PageLayout does not see: the parts of messages that are no rows.
-inline constexpr std::uint32_t kPageProtocol = 9;
+inline constexpr std::uint32_t kPageProtocol = 10;
 
 // A hash of the layout of messages, which follows from the lists of fields; the page refuses another one.
 inline std::uint32_t PageLayout() {

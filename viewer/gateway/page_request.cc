@@ -126,6 +126,7 @@ Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, con
 SelectRequest ReadSelect(const JsonReader& object) {
   SelectRequest select;
   object.Read("pictures", select.pictures);
+  object.Read("traffic", select.traffic);
   const std::optional<JsonReader> robots = object.Find("robots");
   if (!robots) {
     object.FailWithout("robots", "names, or \"all\"");

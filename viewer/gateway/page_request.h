@@ -1,6 +1,7 @@
 // PageRequest: a request of the page, as JSON text.
 // - {"type": "select", "robots": ["r0", "r1"]}, or "robots": "all": whose readings the page shows; with "pictures":
-//   "r0" the images of that robot's cameras are among them
+//   "r0" the images of that robot's cameras are among them; with "traffic": true updates have the next moves and the
+//   waits of robots on lanes
 // - {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
 // - {"type": "control", "id": 8, "command": "spawn", "source": "scout", "controller": "wander", "pose": [x, y, z,
 //   heading]}: without a controller the robot has that of the model
@@ -53,6 +54,7 @@ struct SelectRequest {
   bool all = false;
   std::vector<std::string> robots;
   std::string pictures = {};  // the robot whose camera images the page shows; empty: none
+  bool traffic = false;       // the page shows the traffic of robots on lanes
   bool operator==(const SelectRequest&) const = default;
 };
 

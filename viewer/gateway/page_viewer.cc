@@ -19,6 +19,9 @@ constexpr std::chrono::milliseconds kPicturePeriod{100};
 // With readings of all robots, as many ways are searched at most; of more goals none is, because none is selected.
 constexpr std::size_t kMaxWaysOfAll = 16;
 
+// Of each robot on lanes: as far ahead as its way is shown.
+constexpr std::size_t kShownMoves = 8;
+
 // The flags of an update message.
 constexpr std::uint8_t kPausedFlag = 1;
 constexpr std::uint8_t kLastFlag = 2;
@@ -144,6 +147,7 @@ std::string PageViewer::MakeUpdate() {
   WriteRows(writer);
   WriteEvents(writer);
   WriteGoals(writer);
+  WriteTraffic(writer);
   readings_missing_ = !has_readings;
   if (has_readings) WriteReadings(writer);
   if (!in_past_) update_ = run_.update;
@@ -199,6 +203,35 @@ void PageViewer::WriteGoals(PageWriter& writer) {
     }
   }
   writer.FillCount(place, count);
+}
+
+// For a viewer that shows it: the next moves of each robot, as vertices with a flag of the granted ones; all waits; and
+// the closed lanes.
+void PageViewer::WriteTraffic(PageWriter& writer) const {
+  static const WorldState kNothing;
+  const WorldState& state = selected_.traffic ? *shown()->state : kNothing;
+  std::map<RobotId, std::vector<const TrafficMove*>> moves;
+  for (const TrafficMove& move : state.traffic_moves) {
+    std::vector<const TrafficMove*>& its = moves[move.robot];
+    if (its.size() < kShownMoves) its.push_back(&move);
+  }
+  writer.WriteCount(moves.size());
+  for (const auto& [robot, its] : moves) {
+    writer.WriteCount(robot.index());
+    writer.WriteCount(its.size());
+    for (const TrafficMove* const move : its) {
+      writer.WriteCount(move->to);
+      writer.WriteFlag(move->granted);
+    }
+  }
+  writer.WriteCount(state.waits.size());
+  for (const RobotWait& wait : state.waits) PageValue<RobotWait>::Write(writer, wait);
+  const auto is_closed = [&](const LaneClosure& closure) { return closure.until > state.tick; };
+  writer.WriteCount(
+      static_cast<std::size_t>(std::count_if(state.lane_closures.begin(), state.lane_closures.end(), is_closed)));
+  for (const LaneClosure& closure : state.lane_closures) {
+    if (is_closed(closure)) writer.WriteCount(closure.lane);
+  }
 }
 
 const std::vector<Vec2>& ShownWays::Of(const TimelineState& state, const RobotCommand& goal) {

@@ -112,6 +112,7 @@ class PageViewer final : public Viewer {
   void WriteRows(PageWriter& writer) const;
   void WriteEvents(PageWriter& writer);
   void WriteGoals(PageWriter& writer);
+  void WriteTraffic(PageWriter& writer) const;
   void WriteReadings(PageWriter& writer);
   std::vector<RobotId> SelectedRobots() const;
 

@@ -17,6 +17,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxSamples = 2000;
+constexpr std::size_t kWaitPlaces = 3;  // of each kind
 
 PageReply Reply(std::uint64_t id, Json text, const std::string& problem = "") {
   text["type"] = "reply";
@@ -106,6 +107,7 @@ PageReply PastAnswers::Totals(const TotalsRequest& request) {
   if (spans->empty()) return Reply(request.id, Json::object(), "there is no past state");
   if (!TotalsContinue(*spans)) {
     totals_.clear();
+    traffic_.Clear();
     first_ = last_ = nullptr;
     next_ = spans->first();
   }
@@ -122,11 +124,17 @@ PageReply PastAnswers::Totals(const TotalsRequest& request) {
     Json& row = robots.emplace_back(Json{{"name", name}, {"distance", robot.distance}});
     if (robot.has_store) row["energy"] = robot.energy;
   }
+  Json waits = Json::array();
+  for (const PlaceWaits& place : traffic_.FindWaits(last_->world->description(), kWaitPlaces)) {
+    waits.push_back(FieldsToJson<Json>(place));
+  }
   PageReply reply = Reply(request.id, {{"complete", next_ > spans->last()},
                                        {"first_tick", first_->state->tick},
                                        {"last_tick", last_->state->tick},
                                        {"seconds", static_cast<double>(last_->state->tick) * interval},
-                                       {"robots", std::move(robots)}});
+                                       {"robots", std::move(robots)},
+                                       {"traffic", FieldsToJson<Json>(traffic_.total())},
+                                       {"waits", std::move(waits)}});
   reply.has_totals = next_ > spans->last();
   return reply;
 }
@@ -153,6 +161,7 @@ void PastAnswers::AddToTotals(const SharedState& state) {
       robot.energy += last_->state->stores[store].joules - after.joules + after.charge_watts * seconds;
     }
   }
+  traffic_.Add(world, *state->state);
   if (first_ == nullptr) first_ = state;
   last_ = state;
 }

@@ -19,6 +19,7 @@
 #include <string>
 #include <variant>
 
+#include "common/signals/traffic_totals.h"
 #include "recording/timeline/timeline.h"
 #include "viewer/gateway/expectation_rows.h"
 #include "viewer/gateway/page_request.h"
@@ -63,8 +64,8 @@ class PastAnswers {
   PageReply Series(const SeriesRequest& request);
 
   // What each robot has done from the first state on: {"complete", "first_tick", "last_tick", "seconds", "robots":
-  // [{"name", "distance" m, "energy" J that it has used, if it has a store that can be empty}]}. Not complete: ask
-  // again.
+  // [{"name", "distance" m, "energy" J that it has used, if it has a store that can be empty}], "traffic", "waits": as
+  // in the summary of a run}. Not complete: ask again.
   PageReply Totals(const TotalsRequest& request);
   void AddToTotals(const SharedState& state);
   // Whether the totals belong to the past as it is now.
@@ -78,7 +79,8 @@ class PastAnswers {
   std::atomic<bool> reads_journal_ = false;
   SignalReader signals_;
   std::map<std::string, RobotTotals> totals_;  // by robot
-  SharedState first_;                          // that the totals have; null: none
+  TrafficTotals traffic_;
+  SharedState first_;  // that the totals have; null: none
   SharedState last_;
   std::uint64_t next_ = 0;        // position
   std::optional<Things> things_;  // of the world of last_

@@ -432,6 +432,7 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
       job.due -= job.since;
       job.since = 0;
     }
+    for (RobotWait& wait : edited.state.waits) wait.since = 0;
   }
   return edited;
 }

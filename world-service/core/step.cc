@@ -149,6 +149,7 @@ StepResult Finish(StepWorkspace& workspace, const WorldState& before, const Tick
   MoveGoods(orders, workspace);
   DirectTraffic(orders, workspace);
   CoverZones(workspace);
+  UpdateWaits(orders, workspace);
   Transmit(workspace.world(), by_robot, workspace.next);
   ExchangeEnergy(workspace);
   OperateDevices(orders, workspace);
@@ -160,6 +161,7 @@ StepResult Finish(StepWorkspace& workspace, const WorldState& before, const Tick
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
   std::move(workspace.object_events.begin(), workspace.object_events.end(), std::back_inserter(result.events));
   AddBuildingEvents(workspace.scene, before, result.state, result.events);
+  AddTrafficEvents(workspace.scene.world(), before, result.state, result.events);
   return result;
 }
 

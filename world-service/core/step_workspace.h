@@ -198,6 +198,14 @@ void AssignChargers(const TickOrders& orders, StepWorkspace& workspace);
 // Goods arrive, and robots get, load and deliver them.
 void MoveGoods(const TickOrders& orders, StepWorkspace& workspace);
 
+// What robots on their ways wait for, after the traffic: of the planned traffic by its plan, of others by their orders.
+void UpdateWaits(const TickOrders& orders, StepWorkspace& workspace);
+
+// Adds what has happened to robots on their ways between two states: long waits and their ends in the order of robots,
+// then deadlocks that are broken, then lanes that are closed.
+void AddTrafficEvents(const WorldDescription& world, const WorldState& before, const WorldState& now,
+                      std::vector<Event>& events);
+
 // Adds what doors, lifts and people have done between two states: doors in their order, then lifts,
 // people, lanes, zones and goods.
 void AddBuildingEvents(const Scene& scene, const WorldState& before, const WorldState& now, std::vector<Event>& events);

@@ -160,6 +160,22 @@ std::string EventText(const WorldDescription& world, const Event& event) {
       return text + robot + " has goods of " + event.detail;
     case EventType::kDelivered:
       return text + robot + " has delivered goods of " + event.detail;
+    case EventType::kWaitBegan:
+      text += robot + " has waited for 10 s";
+      if (event.other) text += " for " + world.model(*event.other).name;
+      break;
+    case EventType::kWaitEnded:
+      text += robot + " goes on";
+      break;
+    case EventType::kDeadlockBroken:
+      text += robot + " goes on; these had waited for each other";
+      break;
+    case EventType::kReplanned:
+      text += robot + " has its way planned anew";
+      if (event.other) text += " because of " + world.model(*event.other).name;
+      break;
+    case EventType::kNoWay:
+      return text + robot + " has had no way to its goal for 10 s: " + event.detail;
     case EventType::kSaid:
       return text + robot + " says: " + event.detail;
     case EventType::kReported:

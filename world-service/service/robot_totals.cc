@@ -30,6 +30,7 @@ Status RobotTotals::OnTick(const CommittedTick& tick) {
   const bool begins = tick.edit != nullptr && tick.frame.fresh_edition == tick.frame.edition;
   if (begins || !since_) {
     robots_.clear();
+    traffic_.Clear();
     since_ = state.tick;
   }
   const std::size_t known = std::min(robots_.size(), state.robots.size());
@@ -49,7 +50,12 @@ Status RobotTotals::OnTick(const CommittedTick& tick) {
   zones_ = state.zones;
   waiting_.assign(flows_.size(), 0);
   for (const Job& job : state.jobs) waiting_[job.flow] += job.is_loaded ? 0 : 1;
+  traffic_.Add(scene_->world(), state);
   return {};
+}
+
+std::vector<PlaceWaits> RobotTotals::FindWaits(std::size_t most_of_kind) const {
+  return scene_ == nullptr ? std::vector<PlaceWaits>() : traffic_.FindWaits(scene_->world(), most_of_kind);
 }
 
 void RobotTotals::Count(const Event& event) {

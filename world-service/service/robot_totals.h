@@ -1,5 +1,5 @@
-// RobotTotals: distance, contacts and goals of each robot in a run, the goods of its flows and the cover of its
-// cleaning zones, for the summary: an observer that adds them up.
+// RobotTotals: distance, contacts and goals of each robot in a run, its traffic, the goods of its flows and the cover of
+// its cleaning zones, for the summary: an observer that adds them up.
 //
 // Counts begin at the newest fresh start, and at the start of a service that continues a run: totals are not
 // journalled, because they matter to readers of the summary only and would grow every record. Edits move robots without
@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/signals/traffic_totals.h"
 #include "common/spatial/scene.h"
 #include "troupe/fields.h"
 #include "world-service/service/run_observer.h"
@@ -86,6 +87,9 @@ class RobotTotals : public RunObserver {
   std::vector<RobotTotal> Collect(std::size_t most) const;
   std::vector<FlowTotal> CollectFlows() const;
   std::vector<CleaningTotal> CollectCleaning() const;
+  TrafficTotal traffic() const { return traffic_.total(); }
+  // The places with the most waiting, so many of each kind; after the run.
+  std::vector<PlaceWaits> FindWaits(std::size_t most_of_kind) const;
   // The tick at which they begin: that of the newest start, or at which a service continued the run.
   Tick since() const { return since_.value_or(0); }
 
@@ -114,6 +118,7 @@ class RobotTotals : public RunObserver {
   std::vector<FlowState> flows_;
   std::vector<std::uint64_t> waiting_;  // goods, by flow
   std::vector<ZoneState> zones_;
+  TrafficTotals traffic_;
 };
 
 }  // namespace troupe

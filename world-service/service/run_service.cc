@@ -440,6 +440,8 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   Result<RunSummary> summary = driver.Finish();
   if (summary.ok()) {
     summary.value().totals = totals.Collect(kMaxRobotTotals);
+    summary.value().traffic = totals.traffic();
+    summary.value().waits = totals.FindWaits(kMaxWaitPlaces);
     summary.value().totals_since = totals.since();
     summary.value().flows = totals.CollectFlows();
     summary.value().cleaning = totals.CollectCleaning();

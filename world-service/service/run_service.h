@@ -52,10 +52,13 @@ struct RunSummary {
   bool interrupted = false;
   double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording
   std::vector<RobotTotal> totals;      // of the first kMaxRobotTotals robots
+  TrafficTotal traffic;                // of robots on lanes
+  std::vector<PlaceWaits> waits;       // of the kMaxWaitPlaces lanes, doors and lifts with the most waiting
   std::uint64_t totals_since = 0;      // the tick from which on they count
   std::vector<FlowTotal> flows;        // of goods
   std::vector<CleaningTotal> cleaning;
 };
+inline constexpr std::size_t kMaxWaitPlaces = 10;
 inline constexpr std::size_t kMaxRobotTotals = 1000;
 
 struct ServiceOptions {

@@ -78,6 +78,7 @@ void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& 
   OrdersToColumns<TrafficOrder>(for_each, wire.traffic, arena);
   OrdersToColumns<ChargeOrder>(for_each, wire.charging, arena);
   OrdersToColumns<JobOrder>(for_each, wire.jobs, arena);
+  OrdersToColumns<WaitOrder>(for_each, wire.waits, arena);
 }
 
 Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
@@ -93,6 +94,7 @@ Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& p
   if (problem.ok()) problem = OrdersFromColumns<TrafficOrder>("proposal of traffic", wire.traffic, add);
   if (problem.ok()) problem = OrdersFromColumns<ChargeOrder>("proposal of charging", wire.charging, add);
   if (problem.ok()) problem = OrdersFromColumns<JobOrder>("proposal of jobs", wire.jobs, add);
+  if (problem.ok()) problem = OrdersFromColumns<WaitOrder>("proposal of waits", wire.waits, add);
   return problem;
 }
 
@@ -125,7 +127,7 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
 
 static_assert(kMemberCount<Proposal> == 6, "a new field of a proposal needs a column here");
 // A twist is an order of tools alone, which no proposal has.
-static_assert(std::variant_size_v<Order> == 10, "a new kind of order needs columns here, and in convert_order.cc");
+static_assert(std::variant_size_v<Order> == 11, "a new kind of order needs columns here, and in convert_order.cc");
 
 constexpr auto kMessages = [](auto& proposal) -> auto& {
   return proposal.messages;

@@ -94,9 +94,10 @@ export class Connection {
     });
   }
 
-  // Whose readings the gateway sends. `pictures`: the robot whose camera images are among them.
-  select(robots: string[] | 'all', pictures: string): void {
-    this.send({type: 'select', robots, pictures});
+  // Whose readings the gateway sends. `pictures`: the robot whose camera images are among them. `traffic`: also the moves
+  // and waits of robots on lanes.
+  select(robots: string[] | 'all', pictures: string, traffic: boolean): void {
+    this.send({type: 'select', robots, pictures, traffic});
   }
 
   // A request for the run. The reply of a lost connection says so.

@@ -173,7 +173,23 @@ export class EndCard {
       end, totals.complete ? '' : 'summing up …',
     ].filter(text => text !== '').join(' · '));
     const robots = (totals.robots ?? []).map((robot): RobotRow => robot);
-    this.rows.replaceChildren(...robots.map(robot => this.row(run, robot)));
+    this.rows.replaceChildren(...this.trafficRows(totals), ...robots.map(robot => this.row(run, robot)));
+  }
+
+  // Of robots on lanes.
+  private trafficRows({traffic, waits}: TotalsReply): HTMLElement[] {
+    const rows: HTMLElement[] = [];
+    if (traffic && traffic.robots > 0) {
+      const share = (part: number): string => `${fixed(100 * part, 0)} %`;
+      rows.push(make('p', 'end-traffic', [
+        `${traffic.robots} on lanes`, `${traffic.arrivals} arrivals (${fixed(traffic.arrivals_per_hour, 0)} an hour)`,
+        `${share(traffic.utilisation)} of the time moving to goals`, `${share(traffic.waiting)} waiting`].join(' · ')));
+    }
+    for (const {kind, place, seconds, longest, waits: count} of waits ?? []) {
+      rows.push(make('p', 'end-traffic faint',
+        `Waits at ${kind} ${place}: ${fixed(seconds, 0)} s, ${count} × · the longest ${fixed(longest, 0)} s`));
+    }
+    return rows;
   }
 
   private row(run: Run, robot: RobotRow): HTMLElement {

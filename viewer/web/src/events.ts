@@ -35,6 +35,11 @@ export function eventText({type, robot, other, object, detail}: RunEvent): strin
     case EventType.PersonBoarded: return `${object} gets on ${other} at ${detail}`;
     case EventType.PersonAlighted: return `${object} gets off ${other} at ${detail}`;
     case EventType.PersonArrived: return `${object} has reached ${detail}`;
+    case EventType.WaitBegan: return `${robot} has waited for 10 s${other ? ` for ${other}` : ''}${detail ? ` (${detail})` : ''}`;
+    case EventType.WaitEnded: return `${robot} goes on ${detail}`;
+    case EventType.DeadlockBroken: return `${robot} goes on; ${detail} had waited for each other`;
+    case EventType.Replanned: return `${robot || 'A robot'} is sent another way${other ? ` because of ${other}` : ''}: ${detail}`;
+    case EventType.NoWay: return `${robot} has had no way to its goal for 10 s: ${detail}`;
     case EventType.Said: return `${robot} says: ${detail}`;
     case EventType.Reported: return robot ? `${robot}: ${detail}` : detail;
   }
@@ -51,6 +56,10 @@ const KINDS: Kind[] = [
   {name: 'Doors', types: [EventType.DoorOpened, EventType.DoorClosed, EventType.DoorBlocked]},
   {name: 'Lifts', types: [EventType.LiftLeft, EventType.LiftArrived, EventType.LiftBlocked]},
   {name: 'People', types: [EventType.PersonBoarded, EventType.PersonAlighted, EventType.PersonArrived]},
+  {
+    name: 'Traffic',
+    types: [EventType.WaitBegan, EventType.WaitEnded, EventType.DeadlockBroken, EventType.Replanned, EventType.NoWay],
+  },
   {name: 'Messages', types: [EventType.Said, EventType.Reported]},
   {name: 'Energy', types: [EventType.OutOfEnergy]},
   {name: 'Agents', types: [EventType.Joined, EventType.Left, EventType.ProposalRejected]},
@@ -61,7 +70,7 @@ function kindOf(event: RunEvent): Kind {
 }
 
 const WARNINGS = [EventType.Blocked, EventType.StallBegan, EventType.Unstable, EventType.OutOfEnergy,
-  EventType.DoorBlocked, EventType.LiftBlocked];
+  EventType.DoorBlocked, EventType.LiftBlocked, EventType.WaitBegan, EventType.NoWay];
 const FAULTS = [EventType.Left, EventType.ProposalRejected];
 
 // 2: a fault, 1: a warning, 0: neither.

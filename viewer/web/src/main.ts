@@ -260,6 +260,8 @@ class Viewer {
       this.selected = null;
       if (name && !this.wantedName) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
+      byId('traffic').hidden = message.world.laneGraphs.length === 0;
+      this.toolbar.layOut();
       if (this.wantedLevels) this.scene.chooseLevels(this.wantedLevels);
       this.wantedLevels = '';
       this.file?.worldChanged();
@@ -321,7 +323,7 @@ class Viewer {
 
   private sendSelection(): void {
     const name = this.run && this.selected?.kind === 'robot' ? this.run.world.robots[this.selected.index].name : '';
-    this.connection.select(this.allRays ? 'all' : name ? [name] : [], name);
+    this.connection.select(this.allRays ? 'all' : name ? [name] : [], name, this.scene.traffic.visible);
   }
 
   private refreshPanels(): void {
@@ -432,6 +434,7 @@ class Viewer {
     setOn('names', this.scene.labels.visible);
     setOn('follow', this.scene.following);
     setOn('trails', this.scene.trails.visible);
+    setOn('traffic', this.scene.traffic.visible);
     document.body.classList.toggle('trails', this.scene.trails.visible);
   }
 
@@ -467,6 +470,11 @@ class Viewer {
     });
     bind('trails', () => {
       this.scene.trails.visible = !this.scene.trails.visible;
+      this.changed();
+    });
+    bind('traffic', () => {
+      this.scene.traffic.visible = !this.scene.traffic.visible;
+      this.sendSelection();
       this.changed();
     });
     bind('help-open', () => this.help.toggle());
@@ -519,6 +527,7 @@ class Viewer {
       'c': () => byId('drive').click(),
       'g': () => byId('send').click(),
       'l': () => byId('trails').click(),
+      'w': () => byId('traffic').click(),
       'j': () => this.selectNext(1),
       'k': () => this.selectNext(-1),
       'p': () => this.takePicture(),

@@ -143,6 +143,8 @@ export interface TotalsReply {
   last_tick?: number;
   seconds?: number;
   robots?: Array<{name: string; distance: number; energy?: number}>;
+  traffic?: {robots: number; arrivals: number; arrivals_per_hour: number; utilisation: number; waiting: number};
+  waits?: Array<{kind: string; place: string; seconds: number; longest: number; waits: number}>;  // the most waiting first, by kind
 }
 
 // The verdicts of expectations over the past (viewer/gateway/expectation_rows.h).
@@ -200,6 +202,25 @@ export interface RobotReadings {
   readings: Reading[];
 }
 
+// The next vertex of a robot's way on its lanes, counted through all graphs.
+export interface Move {
+  to: number;
+  granted: boolean;  // the robot may go there: others keep off
+}
+
+export interface Wait {
+  robot: number;
+  since: number;  // tick
+  thing: number;  // the model for which it waits; -1: not known
+  lane: number | null;
+}
+
+export interface Traffic {
+  ways: Array<{robot: number; moves: Move[]}>;
+  waits: Wait[];
+  closed: number[];  // lanes
+}
+
 export interface Update extends StateRows {
   world: number;
   past: boolean;  // of a past state, or a recording
@@ -214,6 +235,7 @@ export interface Update extends StateRows {
   events: RunEvent[];
   allEvents: boolean;  // the events replace all earlier ones
   goals: RobotGoal[];
+  traffic: Traffic;  // empty unless the page asks for it
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 
@@ -379,6 +401,11 @@ function readUpdate(r: Reader): Update {
       detail: r.text(),
     })),
     goals: r.list((): RobotGoal => ({robot: r.u32(), waypoints: r.floats(2 * r.u32()), way: r.floats(2 * r.u32())})),
+    traffic: {
+      ways: r.list(() => ({robot: r.u32(), moves: r.list((): Move => ({to: r.u32(), granted: r.flag()}))})),
+      waits: r.list((): Wait => ({robot: r.u32(), since: Number(r.u64()), thing: r.i32(), lane: r.flag() ? r.u32() : null})),
+      closed: r.list(() => r.u32()),
+    },
     readings: (flags & 8) !== 0 ? r.list(() => readRobotReadings(r)) : null,
   };
 }

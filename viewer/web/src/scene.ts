@@ -19,6 +19,7 @@ import {poseOf, toMatrix, type Entity, type Run} from './run';
 import {Rays, SensorMarks} from './sensor_marks';
 import {Ground, StaticMap} from './static_map';
 import {Surfaces} from './surfaces';
+import {TrafficMarks} from './traffic_marks';
 
 export type ViewName = 'orbit' | 'top';
 
@@ -46,6 +47,7 @@ function colorOf(name: string): Color {
 export class WorldScene {
   readonly labels: Labels;
   readonly trails = new Trails();
+  readonly traffic = new TrafficMarks();
   readonly motion = new Motion();
   view: ViewName = 'orbit';
   following = false;
@@ -97,7 +99,8 @@ export class WorldScene {
     for (const light of this.surfaces.lights()) light.layers.enableAll();
     for (const camera of [this.perspective, this.orthographic]) camera.layers.enableAll();
     this.scene.add(
-      ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.ring, this.ghost);
+      ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.traffic.group,
+      this.ring, this.ghost);
     this.ring.visible = false;
     this.ghost.visible = false;
     this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
@@ -224,6 +227,7 @@ export class WorldScene {
     this.setting.map.show(run);
     this.rays.show(run, this.setting.bodies);
     this.marks.show(run);
+    this.traffic.show(run);
     const pose = selected ? poseOf(run, selected) : null;
     this.ring.visible = pose !== null;
     if (pose && selected) {
@@ -322,6 +326,7 @@ export class WorldScene {
     this.ring.material.color = colorOf('--accent');
     this.ghost.material.color = colorOf('--accent');
     this.rays.setColor(colorOf('--rays'));
+    this.traffic.setColors(colorOf('--stalled'), colorOf('--lost'));
     this.setting?.bodies.setStalledColor(colorOf('--stalled'));
     this.setting?.ground.setColors(colorOf('--ground'), colorOf('--grid'));
     this.setting?.map.setEdgeColor(colorOf('--edges'));

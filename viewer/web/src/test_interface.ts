@@ -28,6 +28,8 @@ export interface TestInterface {
   contents(robot: string): Record<string, {tick: number; content: unknown}> | null;
   // The goals in force: the robot, the last point, and the number of points of its way.
   goals(): Array<{robot: string; to: number[]; way: number}>;
+  // The traffic that is drawn: the robots whose ways are, and the arrows.
+  traffic(): {ways: string[]; waits: Array<{robot: string; thing: string; ring: boolean}>};
   // The names by index.
   names(): {models: string[]; robots: string[]};
   // Whether each light is lit, by the name of its model.
@@ -111,6 +113,16 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
     goals: () => (host.run()?.goals ?? []).map(goal => ({
       robot: host.run()!.world.robots[goal.robot].name, to: [...goal.waypoints.slice(-2)], way: goal.way.length / 2,
     })),
+    traffic: () => {
+      const world = host.run()?.world;
+      if (!world || !scene.traffic.visible) return {ways: [], waits: []};
+      return {
+        ways: scene.traffic.ways.map(robot => world.robots[robot].name),
+        waits: scene.traffic.shownWaits.map(({robot, thing, ring}) => ({
+          robot: world.robots[robot].name, thing: world.models[thing].name, ring,
+        })),
+      };
+    },
     names: () => {
       const world = host.run()?.world;
       return {models: world?.models.map(({name}) => name) ?? [], robots: world?.robots.map(({name}) => name) ?? []};

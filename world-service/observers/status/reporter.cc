@@ -42,7 +42,7 @@ class ConsoleReporter final : public Reporter {
   void OnEvent(const Event& event, const std::string& text) override {
     // Robots stall all the time, and doors open; the summary counts stalls.
     if (event.type == EventType::kStallBegan || event.type == EventType::kStallEnded) return;
-    if (IsOfBuilding(event.type)) return;
+    if (IsOfBuilding(event.type) || IsOfTraffic(event.type)) return;
     PrintPlain(stderr, "{}\n", text);
   }
   void OnNewRobots(const std::vector<std::string>& robots, Edition) override {
@@ -167,6 +167,8 @@ class LauncherReporter final : public Reporter {
     for (const FlowTotal& flow : summary.flows) flows.push_back(FieldsToJson<Json>(flow));
     Json cleaning = Json::array();
     for (const CleaningTotal& zone : summary.cleaning) cleaning.push_back(FieldsToJson<Json>(zone));
+    Json waits = Json::array();
+    for (const PlaceWaits& place : summary.waits) waits.push_back(FieldsToJson<Json>(place));
     Send({{"type", "end"},
           {"ticks", summary.ticks},
           {"sim_seconds", summary.sim_seconds},
@@ -186,6 +188,8 @@ class LauncherReporter final : public Reporter {
           {"record_waited_seconds", summary.record_waited_seconds},
           {"totals", std::move(totals)},
           {"totals_since", summary.totals_since},
+          {"traffic", FieldsToJson<Json>(summary.traffic)},
+          {"waits", std::move(waits)},
           {"flows", std::move(flows)},
           {"cleaning", std::move(cleaning)}});
   }

@@ -202,6 +202,24 @@ TEST(Summary, IsAJsonObjectWithTheHashAsText) {
   EXPECT_FALSE(json["robot_totals"][0].contains("joules"));
 }
 
+TEST(Summary, HasTheTrafficOfRobotsOnLanes) {
+  RunOutcome outcome = SomeOutcome();
+  EXPECT_THAT(SummaryText(outcome, {}), Not(HasSubstr("on lanes")));
+  outcome.run.traffic = {
+      .robots = 2, .seconds = 60.0, .arrivals = 6, .arrivals_per_hour = 360.0, .utilisation = 0.614, .waiting = 0.2};
+  outcome.run.waits = {{.kind = "lane", .place = "0: a - b", .seconds = 8.25, .longest = 5.0, .waits = 2},
+                       {.kind = "door", .place = "gate", .seconds = 1.5, .longest = 1.5, .waits = 1}};
+  EXPECT_THAT(
+      SummaryText(outcome, {}),
+      HasSubstr("2 robots on lanes: 6 arrivals (360 an hour), 61 % of their time moving to goals, 20 % waiting\n"
+                "waits at lane 0: a - b: 8.2 s in 2 waits, the longest 5.0 s\n"
+                "waits at door gate: 1.5 s in 1 wait, the longest 1.5 s\n"));
+  const nlohmann::json json = nlohmann::json::parse(SummaryJson(outcome));
+  EXPECT_EQ(json["traffic"]["arrivals"], 6);
+  EXPECT_EQ(json["traffic"]["utilisation"], 0.614);
+  EXPECT_EQ(json["waits"][1]["place"], "gate");
+}
+
 TEST(Summary, IsOfRobotsUnlessStatisticsAreAskedFor) {
   const std::string text = SummaryText(SomeOutcome(), {});
   EXPECT_THAT(text, HasSubstr("2 robots, 4 stalls, state hash 0123456789abcdef\n"

@@ -52,6 +52,7 @@ FrameMessage SomeFrame() {
   frame.state.charging_robots = {{RobotId(1), 5, 9, true}, {.robot = RobotId(2)}};
   frame.state.flows = {{1, 2, 3, 4, 5}};
   frame.state.jobs = {{0, 1, 2, 3, RobotId(1), true}, {.flow = 1}};
+  frame.state.waits = {{RobotId(0), 3, ModelId(5), 4}, {RobotId(1)}};
   frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
                   {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};
   frame.incarnation = 4;
@@ -72,7 +73,7 @@ ProposalMessage SomeProposal() {
                         {{1, std::nullopt, {7, 8}}},
                         {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, infinity}, DoorOrder{1, 0.25},
                          LiftOrder{0, 2, true}, TwistOrder{{0.5, -0.0, 1e-300}}, ChargeOrder{4, true}, ChargeOrder{},
-                         JobOrder{true, false, true}},
+                         JobOrder{true, false, true}, WaitOrder{ModelId(3), 7}, WaitOrder{}},
                         "hello"},
                        {RobotId(4000000000), {}, {}, {{0, RobotId(2), {}}, {0, {}, {255}}}}};
   message.reports = {"a report", ""};

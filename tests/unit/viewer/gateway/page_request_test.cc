@@ -397,7 +397,7 @@ TEST(FoxgloveProtocolTest, BodiesAreInFramesThatTransformsMove) {
   EXPECT_THAT(topics, testing::ElementsAre("/scene", "/tf", "/map", "/events", "/r0/ranger:0", "/tables/robots",
                                            "/tables/transmissions", "/tables/traffic_robots", "/tables/traffic_moves",
                                            "/tables/lane_closures", "/tables/lane_rules", "/tables/charging_robots",
-                                           "/tables/jobs", "/tables/sensors"))
+                                           "/tables/jobs", "/tables/waits", "/tables/sensors"))
       << "single rays have no scan";
 
   const auto text = nlohmann::json::parse(SceneText(scene, 1'500'000'000));

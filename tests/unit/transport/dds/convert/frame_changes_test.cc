@@ -114,6 +114,7 @@ class Changes {
     for (ChargingRobot& robot : state.charging_robots) robot.robot = RobotId(Below(state.robots.size()));
     state.jobs.assign(Below(3), {.flow = 1, .number = 2, .since = 3, .due = 4});
     for (CoverageState& row : state.coverage) row.cells |= Chance(0.2) ? 1U << Below(32) : 0U;
+    state.waits.assign(Below(3), {RobotId(Below(state.robots.size())), 2, ModelId(3), 4});
   }
 
  private:

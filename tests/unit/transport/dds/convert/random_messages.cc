@@ -230,11 +230,16 @@ FrameMessage RandomMessages::Frame() {
     state.traffic_moves.clear();
     state.charging_robots.clear();
     state.jobs.clear();
+    state.waits.clear();
   }
   for (ChargingRobot& robot : state.charging_robots) robot.robot = RobotId(Below(state.robots.size()));
   for (Job& job : state.jobs) job.robot = MaybeId<RobotId>(state.robots.size());
   for (TrafficRobot& robot : state.traffic_robots) robot.robot = RobotId(Below(state.robots.size()));
   for (TrafficMove& move : state.traffic_moves) move.robot = RobotId(Below(state.robots.size()));
+  for (RobotWait& wait : state.waits) {
+    wait.robot = RobotId(Below(state.robots.size()));
+    wait.thing = MaybeId<ModelId>(50);
+  }
   for (RadioTransmission& transmission : state.transmissions) {
     transmission.from = RobotId(Below(state.robots.size()));
     transmission.message.to = MaybeId<RobotId>(state.robots.size());
@@ -313,6 +318,7 @@ ProposalMessage RandomMessages::Proposal() {
     for (std::size_t i = Below(2); i > 0; --i)
       orders.push_back(ChargeOrder{static_cast<std::uint32_t>(Below(50)), Coin()});
     for (std::size_t i = Below(2); i > 0; --i) orders.push_back(JobOrder{Coin(), Coin(), Coin()});
+    for (std::size_t i = Below(2); i > 0; --i) orders.push_back(WaitOrder{MaybeId<ModelId>(50), {}});
     if (Coin()) message.proposals.back().say = Text();
     robot += 1 + Below(10);
   }
