@@ -40,6 +40,33 @@ Status CheckGraph(const WorldDescription& world, const LaneGraph& graph) {
   return Status();
 }
 
+// Vertices in the order of a path have lanes between them, and steps ascend.
+std::string CheckTrip(const WorldDescription& world, const LaneTrip& trip, std::size_t vertices) {
+  if (trip.robot.index() >= world.robots.size()) return "its robot does not exist";
+  const auto has_vertex = [&](std::uint32_t vertex) { return vertex < vertices; };
+  if (!std::all_of(trip.goals.begin(), trip.goals.end(), has_vertex)) return "a goal of it does not exist";
+  if (!std::all_of(trip.path.begin(), trip.path.end(), has_vertex)) return "a vertex of its path does not exist";
+  if (trip.steps.size() != trip.path.size()) return "its path has not a step for each vertex";
+  for (std::size_t i = 0; i < trip.steps.size(); ++i) {
+    if (i == 0 ? trip.steps[0] != 0 : trip.steps[i] <= trip.steps[i - 1]) return "its steps do not ascend from 0";
+    if (i > 0 && trip.path[i] == trip.path[i - 1]) return "its path has a vertex twice, one after the other";
+  }
+  return {};
+}
+
+Status CheckTrips(const WorldDescription& world) {
+  std::size_t vertices = 0;
+  for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
+  for (std::size_t i = 0; i < world.lane_trips.size(); ++i) {
+    std::string problem = CheckTrip(world, world.lane_trips[i], vertices);
+    if (problem.empty() && i > 0 && !(world.lane_trips[i - 1].robot < world.lane_trips[i].robot)) {
+      problem = "its robot is not after that of the trip before";
+    }
+    if (!problem.empty()) return Error{{}, "trip " + std::to_string(i) + ": " + problem};
+  }
+  return Status();
+}
+
 }  // namespace
 
 Status ValidateSite(const WorldDescription& world) {
@@ -54,7 +81,7 @@ Status ValidateSite(const WorldDescription& world) {
     }
     if (Status problem = CheckGraph(world, graph); !problem.ok()) return problem;
   }
-  return Status();
+  return CheckTrips(world);
 }
 
 }  // namespace troupe

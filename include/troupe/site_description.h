@@ -11,6 +11,7 @@
 
 #include "troupe/enum_names.h"
 #include "troupe/fields.h"
+#include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/vec2.h"
 
@@ -115,6 +116,24 @@ struct LaneGraph {
         Field{"number", &LaneGraph::number, "by which robots name it"},
         Field{"vertices", &LaneGraph::vertices},
         Field{"lanes", &LaneGraph::lanes},
+    };
+  }
+};
+
+// What a robot of a problem of multi-agent paths has to do, and its path, if one is given: vertices one after another,
+// each by a step of the plan. Vertices are counted through all graphs of the world, in their order.
+struct LaneTrip {
+  RobotId robot;
+  std::vector<std::uint32_t> goals;
+  std::vector<std::uint32_t> path;
+  std::vector<std::uint32_t> steps;
+  bool operator==(const LaneTrip&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &LaneTrip::robot},
+        Field{"goals", &LaneTrip::goals, "vertices to be visited in this order; it stays at the last one"},
+        Field{"path", &LaneTrip::path, "vertices along lanes, its start first; none: the planned traffic finds the way"},
+        Field{"steps", &LaneTrip::steps, "of the plan, at which it is at each vertex of the path; ascending from 0"},
     };
   }
 };

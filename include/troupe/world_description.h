@@ -446,6 +446,7 @@ struct WorldDescription {
   std::vector<PersonDescription> people = {};
   std::vector<LevelDescription> levels = {};
   std::vector<LaneGraph> lane_graphs = {};
+  std::vector<LaneTrip> lane_trips = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
@@ -475,6 +476,7 @@ struct WorldDescription {
         Field{"levels", &WorldDescription::levels,
               "of a building, or the floors of lifts; none: the world is one level"},
         Field{"lane_graphs", &WorldDescription::lane_graphs},
+        Field{"lane_trips", &WorldDescription::lane_trips, "of robots, ascending"},
     };
   }
 };

@@ -85,6 +85,8 @@ RunSummary ReadEnd(const JsonReader& json) {
   json.Read("record_waited_seconds", summary.record_waited_seconds);
   json.Read("totals", summary.totals);
   json.Read("totals_since", summary.totals_since);
+  const std::optional<JsonReader> trips = json.Find("trips");
+  if (trips && trips->node().is_object()) trips->To(summary.trips.emplace());
   return summary;
 }
 
@@ -307,6 +309,15 @@ std::string RobotsText(const RunSummary& run, bool has_styles) {
   return text;
 }
 
+// The outcome of a problem of paths.
+std::string TripsText(const TripSummary& trips) {
+  const std::string arrived = trips.arrived == trips.robots ? CountText(trips.robots, "robot") + " arrived"
+                                                            : fmt::format("{} of {} arrived", trips.arrived,
+                                                                          CountText(trips.robots, "robot"));
+  return fmt::format("{}, {} visited, makespan {:.1f} s, flow time {:.1f} s, {:.2f} goals a second\n", arrived,
+                     CountText(trips.goals, "goal"), trips.makespan, trips.flow_time, trips.throughput);
+}
+
 // What only those want to know who look after the processes.
 std::string ProcessesText(const RunOutcome& outcome) {
   const RunSummary& run = outcome.run;
@@ -355,6 +366,7 @@ std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& opt
                       run.sim_seconds, run.wall_seconds, run.real_time_factor);
   text += fmt::format("{}, {}, state hash {}\n", CountText(run.robots, "robot"), CountText(run.stalls, "stall"),
                       HashText(run.state_hash));
+  if (run.trips) text += TripsText(*run.trips);
   text += RobotsText(run, options.has_styles);
   if (run.rejected > 0) text += CountText(run.rejected, "proposal") + " rejected\n";
   if (options.with_stats) text += ProcessesText(outcome);
@@ -385,6 +397,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
   for (const SlowRobot& awaited : run.ros) ros.push_back(ToJson(awaited, "name"));
   nlohmann::ordered_json totals = nlohmann::ordered_json::array();
   for (const RobotTotal& total : run.totals) totals.push_back(FieldsToJson<nlohmann::ordered_json>(total));
+  const nlohmann::ordered_json trips = run.trips ? FieldsToJson<nlohmann::ordered_json>(*run.trips) : nullptr;
   nlohmann::ordered_json json = {
       {"ticks", run.ticks},
       {"sim_seconds", run.sim_seconds},
@@ -404,6 +417,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"slowest_robots", slowest},
       {"ros_lockstep", ros},
       {"robot_totals", std::move(totals)},
+      {"trips", trips},
       {"lost", run.lost},
       {"frozen", run.frozen},
       {"missing_files", outcome.missing_files},

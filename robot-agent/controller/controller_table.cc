@@ -113,6 +113,10 @@ constexpr ParameterHelp kLanesParameters[] = {
     kChargeToHelp,
     {"close_doors", "flag", "", "true", 0.0, 0.0, "Close doors behind it"},
     {"planned", "flag", "", "false", 0.0, 0.0, "Take part in the planned traffic of the lanes"},
+    {"keep_place", "flag", "", "false", 0.0, 0.0, "Without repeat: go back to the last place after making room"},
+    {"delay_probability", "number", "", "0", 0.0, 1.0, "In the planned traffic: to stand for a while before a move"},
+    {"delay_min", "number", "s", "1", 0.0, 1e6, "The shortest of these delays"},
+    {"delay_max", "number", "s", "5", 0.0, 1e6, "The longest of these delays"},
     {"graph", "number", "", "", 0.0, 1e6, "The number of a graph of lanes; without it that nearest to its start"}};
 constexpr ParameterHelp kLaserNoiseParameters[] = {
     {"samples", "number", "", "100", 2.0, 1e6, "Readings for each report"}};

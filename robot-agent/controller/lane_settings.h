@@ -28,6 +28,11 @@ struct LaneSettings {
   double charge_to = 0.95;
   bool close_doors = true;  // behind it
   bool planned = false;     // it takes part in the planned traffic of the lanes
+  bool keep_place = false;  // it goes back to its last place
+  // Before each move of the planned traffic, with this probability, it stands for s between these bounds.
+  double delay_probability = 0.0;
+  double delay_min = 1.0;  // s
+  double delay_max = 5.0;  // s
 
   static constexpr double kMaxSpeed = 1.0;  // m/s, without `speed`
 };

@@ -41,6 +41,7 @@ LaneTasks::LaneTasks(const LaneSettings& settings, const LaneGraph& graph, doubl
       turn_rate_(settings.turn_rate),
       wait_(settings.wait),
       repeat_(settings.repeat),
+      keep_place_(settings.keep_place),
       charge_below_(settings.charge_below),
       charge_to_(settings.charge_to) {
   for (const std::string& place : settings.places) stops_.push_back(*graph_->Find(place));
@@ -49,6 +50,8 @@ LaneTasks::LaneTasks(const LaneSettings& settings, const LaneGraph& graph, doubl
 void LaneTasks::Update(const Observation& observation, std::size_t at) {
   ReadGoal(observation);
   ReadEnergy(observation, at);
+  const bool has_visited = !stops_.empty() && next_stop_ == stops_.size();
+  if (keep_place_ && has_visited && at != stops_.back()) home_ = stops_.back();
 }
 
 // A goal of a user interrupts the round; its number tells a new goal from the same one.

@@ -54,6 +54,7 @@ class LaneTasks {
   double turn_rate_;
   double wait_;  // s, at each stop
   bool repeat_;
+  bool keep_place_;
   double charge_below_;
   double charge_to_;
   std::vector<std::size_t> stops_;

@@ -282,6 +282,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const Leg leg = legs_.front();
     if (!leg.lane && leg.from != leg.to) return Ride(leg);
     if (!is_on_leg_) {
+      if (IsDelayed()) return;
       is_on_leg_ = MayEnter(leg);
       if (!is_on_leg_) {
         if (!rest_since_) rest_since_ = now_->time;
@@ -291,6 +292,18 @@ class LanesController final : public Controller, public RobotWatcher {
       if (settings_.close_doors) controls_.Note(lane(*leg.lane));
     }
     if (KeepsLift(leg)) Drive(leg);
+  }
+
+  // Before a move of the planned traffic, by one draw for each.
+  bool IsDelayed() {
+    if (!plan_ || settings_.delay_probability == 0.0) return false;
+    if (drawn_for_ != plan_->finished()) {
+      drawn_for_ = plan_->finished();
+      const bool has_delay = now_->Random(0) < settings_.delay_probability;
+      const double range = settings_.delay_max - settings_.delay_min;
+      delayed_until_ = has_delay ? now_->time + settings_.delay_min + range * now_->Random(1) : 0.0;
+    }
+    return now_->time < delayed_until_;
   }
 
   // A user may call the lift away while the robot is on its leg into or out of the cabin, and another robot may get the
@@ -609,6 +622,8 @@ class LanesController final : public Controller, public RobotWatcher {
   std::optional<double> obstructed_since_;  // s, simulated: on a granted move
   bool asks_for_way_ = false;
   bool has_said_taken_ = false;
+  std::optional<std::uint32_t> drawn_for_;  // finished moves, for which a delay has been drawn
+  double delayed_until_ = 0.0;              // s, simulated
 
   bool has_started_ = false;
   std::size_t at_ = 0;                         // the vertex that it was at last

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
+#include "common/traffic/path_execution.h"
 #include "common/traffic/traffic_plan.h"
 #include "world-service/core/step_workspace.h"
 
@@ -98,7 +99,12 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   }
   const std::shared_ptr<TrafficRoutes> routes = workspace.scene.TrafficRoutesFor(radii);
   if (!Fits(routes->graph(), plan)) plan = {};
-  PlanTraffic(*routes, requests, FindObstructed(workspace, routes->graph(), radii, takes_part), state.tick, plan);
+  const PathSchedule& schedule = workspace.scene.path_schedule();
+  if (!schedule.empty()) {
+    ExecutePaths(routes->graph(), schedule, world.lane_trips, requests, state.tick, plan);
+  } else {
+    PlanTraffic(*routes, requests, FindObstructed(workspace, routes->graph(), radii, takes_part), state.tick, plan);
+  }
   state.traffic_robots = std::move(plan.robots);
   state.traffic_moves = std::move(plan.moves);
   state.lane_closures = std::move(plan.closures);

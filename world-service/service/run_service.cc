@@ -411,8 +411,10 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   PhaseTimes phase_times;
   const CoordinatorOptions coordinator = MakeCoordinatorOptions(options, trace.get(), phase_times);
   RobotTotals totals;
+  TripTotals trips;
   RunObservers all = observers;
   all.push_back(&totals);
+  all.push_back(&trips);
   Driver driver(scene, options, coordinator, std::move(endpoint), all, trace.get());
 
   Status failure;  // the first
@@ -441,6 +443,7 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   if (summary.ok()) {
     summary.value().totals = totals.Collect(kMaxRobotTotals);
     summary.value().totals_since = totals.since();
+    summary.value().trips = trips.Collect();
   }
   if (trace) note(trace->Close());
   if (summary.ok() && !failure.ok()) return failure.error();

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@
 #include "world-service/service/robot_totals.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
+#include "world-service/service/trip_totals.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
@@ -53,6 +55,7 @@ struct RunSummary {
   double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording
   std::vector<RobotTotal> totals;      // of the first kMaxRobotTotals robots
   std::uint64_t totals_since = 0;      // the tick from which on they count
+  std::optional<TripSummary> trips;    // of a problem of paths
 };
 inline constexpr std::size_t kMaxRobotTotals = 1000;
 

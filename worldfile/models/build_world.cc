@@ -6,6 +6,7 @@
 #include <memory>
 #include <tuple>
 
+#include "worldfile/models/grid_lanes.h"
 #include "worldfile/models/lanes.h"
 #include "worldfile/models/narrow_lanes.h"
 #include "worldfile/models/properties/color_names.h"
@@ -306,6 +307,10 @@ WorldDescription ReadWorldProperties(PropertyReader& reader) {
   return world;
 }
 
+// Of a problem of paths: hundreds of robots that do little, and a run that ends even if some do not arrive.
+constexpr std::uint32_t kCellRobotsPerProcess = 100;
+constexpr double kGridSeconds = 3600.0;
+
 // Stage's speed of a run with a window; none if it is not above 0.
 Speed ReadWatchedSpeed(PropertyReader& reader) {
   const double speedup = reader.Number("speedup", 1.0, -1e6, 1e6);
@@ -352,6 +357,15 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
     loaded.world.lane_graphs = LaneGraphsOf(*tree.site, loaded.world);
   } else {
     loaded.world.levels = LevelsOf(loaded.world.lifts);
+  }
+  if (tree.grid != nullptr) {
+    if (Status status = AddGrid(*tree.grid, loaded.world); !status.ok()) return status.error();
+    if (!tree.grid->agents.empty()) {
+      loaded.settings.robots_per_process = kCellRobotsPerProcess;
+      if (!loaded.settings.ticks) {
+        loaded.settings.ticks = static_cast<std::uint64_t>(kGridSeconds / loaded.world.interval_seconds());
+      }
+    }
   }
   loaded.files = tree.files;
   const std::vector<std::string> bitmaps = context.bitmaps.Paths();

@@ -32,6 +32,7 @@
 #include "troupe/named_expectation.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
+#include "worldfile/grids/grid_problem.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/stage/world_tree.h"
 
@@ -64,6 +65,7 @@ struct LoadOverrides {
   // Checks that the world has what the controllers of the robots need. Nothing: that is not checked.
   std::function<Status(const WorldDescription& world, std::span<const RobotId> robots)> check_in_world = {};
   AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
+  GridOptions grid = {};                       // of a file with cells; an error for others
 };
 
 struct BuildOptions {

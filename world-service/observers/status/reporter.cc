@@ -163,6 +163,7 @@ class LauncherReporter final : public Reporter {
     }
     Json totals = Json::array();
     for (const RobotTotal& total : summary.totals) totals.push_back(FieldsToJson<Json>(total));
+    const Json trips = summary.trips ? FieldsToJson<Json>(*summary.trips) : Json();
     Send({{"type", "end"},
           {"ticks", summary.ticks},
           {"sim_seconds", summary.sim_seconds},
@@ -181,7 +182,8 @@ class LauncherReporter final : public Reporter {
           {"interrupted", summary.interrupted},
           {"record_waited_seconds", summary.record_waited_seconds},
           {"totals", std::move(totals)},
-          {"totals_since", summary.totals_since}});
+          {"totals_since", summary.totals_since},
+          {"trips", trips}});
   }
   void Failed(const Error& error) override {
     Send({{"type", "error"}, {"message", error.ToString()}});

@@ -163,6 +163,8 @@ WorldDescription WorldOfEachRow() {
   world.lane_graphs[0].vertices[0].lift = 0;
   one(world.lane_graphs[0].lanes);
   one(world.lane_graphs[0].lanes[0].doors);
+  one(world.lane_trips);
+  world.lane_trips[0].goals = world.lane_trips[0].path = world.lane_trips[0].steps = {0};
   return world;
 }
 
@@ -297,6 +299,22 @@ TEST(Validate, NamesTheFaultOfASite) {
          w.lane_graphs[0].lanes[0].doors = {{0, 1.0}};
        },
        "lanes 0: lane 0: a door of it does not exist"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(9), {}, {}, {}}};
+       },
+       "trip 0: its robot does not exist"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(0), {99}, {}, {}}};
+       },
+       "trip 0: a goal of it does not exist"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(0), {0}, {0, 1}, {0}}};
+       },
+       "trip 0: its path has not a step for each vertex"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(0), {0}, {0, 1}, {0, 0}}};
+       },
+       "trip 0: its steps do not ascend from 0"},
   };
   for (const Fault& c : faults) {
     WorldDescription world = GoodWorld();
