@@ -108,6 +108,7 @@ constexpr ParameterHelp kLanesParameters[] = {
     {"dock_speed", "number", "m/s", "0.2", 0.01, 100.0, "On the last metre to a place with a dock"},
     {"turn_rate", "number", "rad/s", "0.8", 0.01, 100.0, "When it turns"},
     {"tolerance", "number", "m", "0.1", 0.02, 1.0, "A vertex within it is reached"},
+    {"gap", "number", "m", "0.3", 0.02, 10.0, "That it keeps to robots and things ahead"},
     {"charge_below", "number", "", "0.3", 0.0, 1.0,
      "Of the store's capacity: below it the robot drives to the nearest charger"},
     kChargeToHelp,

@@ -28,6 +28,7 @@ Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   read("dock_speed", settings.dock_speed, 0.01, 100.0);
   read("turn_rate", settings.turn_rate, 0.01, 100.0);
   read("tolerance", settings.tolerance, 0.02, 1.0);
+  read("gap", settings.gap, 0.02, 10.0);
   read("charge_below", settings.charge_below, 0.0, 1.0);
   read("charge_to", settings.charge_to, 0.0, 1.0);
   read("delay_probability", settings.delay_probability, 0.0, 1.0);

@@ -26,6 +26,7 @@ struct LaneSettings {
   double tolerance = 0.1;   // m
   double charge_below = 0.3;
   double charge_to = 0.95;
+  double gap = 0.3;         // m: it keeps it to robots and things ahead
   bool close_doors = true;  // behind it
   bool planned = false;     // it takes part in the planned traffic of the lanes
   bool keep_place = false;  // it goes back to its last place

@@ -39,7 +39,6 @@ constexpr double kTurnFirst = 0.35;      // rad: it turns on the spot to a point
 constexpr double kStraightOn = 0.955;    // cosine of the turn between two lanes that it passes without braking
 constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
-constexpr double kGap = 0.3;             // m: behind another robot
 constexpr double kPersonGap = 0.05;      // m: people step aside for a robot that comes near
 constexpr double kSeeAhead = 4.0;        // m
 constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destination out to which no lanes lead
@@ -459,7 +458,7 @@ class LanesController final : public Controller, public RobotWatcher {
       const double most = i == 0 ? std::min(rest - tolerance, kSeeAhead) : std::min(rest, kSeeAhead - before);
       std::optional<LaneObstacle> obstacle = FindObstacle(start, along, most, DrivesBackward(legs_[i]));
       if (obstacle) {
-        const double gap = obstacle->is_person ? kPersonGap : kGap;
+        const double gap = obstacle->is_person ? kPersonGap : settings_.gap;
         obstacle->room = i == 0 ? obstacle->room - gap : before + std::max(obstacle->room - gap, 0.0);
         return obstacle;
       }
@@ -502,7 +501,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const double sign = DrivesBackward(leg) ? -1.0 : 1.0;
     const Vec2 p_R = sign * Transform2(now_->pose_estimate).InverseTransform(aim);
     const bool turns = can_turn() && std::fabs(Atan2(p_R.y(), p_R.x())) > kTurnFirst;
-    if (ahead) most = std::min(most, BrakingSpeed(drive_, ahead->room - kGap));
+    if (ahead) most = std::min(most, BrakingSpeed(drive_, ahead->room - settings_.gap));
     if (ahead && most < kCreep && !turns) {
       if (leg.lane && at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
       return Block(ahead->robot.id, leg, at);

@@ -1,7 +1,8 @@
 // From a problem of paths to the models of a world: the map as one static model, "map", and a robot for each agent.
 //
-// The tree has the define `CellRobot`, a disc that drives from cell to cell: two of them pass each other on lanes that
-// are a cell apart, one of them in each of four cells around a corner. Robots have the controller `lanes`, which takes
+// The tree has the define `CellRobot`, a disc that drives from cell to cell. It is so small that two of them pass each
+// other on lanes that are a cell apart, and that four can go round in a circle of four cells, one after another, each
+// by the distance that `lanes` keeps to the circle around the box of the robot ahead. Robots have the controller `lanes`, which takes
 // part in the planned traffic; the lanes themselves follow from the problem that the tree refers to
 // (worldfile/models/grid_lanes.h).
 #pragma once
