@@ -61,8 +61,9 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
   const std::string ending = std::filesystem::path(path).extension().string();
   if (IsGridPath(path, overrides.allowed)) return LoadGrid(path, overrides);
   if (overrides.grid != GridOptions()) {
-    return Error{{path}, "found no problem of paths for the options about agents and paths, expected .scen, .map, "
-                         ".pogema or a problem of the League (.json)"};
+    return Error{{path},
+                 "found no problem of paths for the options about agents and paths, expected .scen, .map, "
+                 ".pogema or a problem of the League (.json)"};
   }
   if (IsBuildingPath(path) || IsLayoutPath(path, overrides.allowed)) return LoadBuilding(path, overrides);
   if (ending == ".world") return LoadStageWorld(path, overrides);
@@ -87,7 +88,8 @@ bool IsFile(const std::string& source) {
 Result<ScenarioWorld> ReadDefinitions(const WorldSource& source, const LoadOverrides& overrides) {
   const std::string& path = source.path;
   if (source.scenario) return ReadScenarioWorldText(*source.scenario, path, overrides);
-  if (EndingOf(path) == ".json" && !IsLayoutPath(path, overrides.allowed) && !IsGridPath(path, overrides.allowed)) return ReadScenarioWorld(path, overrides);
+  if (EndingOf(path) == ".json" && !IsLayoutPath(path, overrides.allowed) && !IsGridPath(path, overrides.allowed))
+    return ReadScenarioWorld(path, overrides);
   Result<WorldTree> tree =
       EndingOf(path) == ".inc" ? ParseStageWorld(path, overrides.allowed) : ReadWorldTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();

@@ -22,9 +22,8 @@ const TrafficRobot* FindTrafficRobot(const WorldState& state, RobotId robot) {
 
 bool AreTripsDone(const WorldDescription& world, const WorldState& state) {
   return !world.lane_trips.empty() &&
-         std::all_of(world.lane_trips.begin(), world.lane_trips.end(), [&](const LaneTrip& trip) {
-           return !RobotExists(world, trip.robot) || IsDone(trip, state);
-         });
+         std::all_of(world.lane_trips.begin(), world.lane_trips.end(),
+                     [&](const LaneTrip& trip) { return !RobotExists(world, trip.robot) || IsDone(trip, state); });
 }
 
 }  // namespace troupe

@@ -79,9 +79,8 @@ const WalkRoutes& Scene::walk_routes() const {
 }
 
 const PathSchedule& Scene::path_schedule() const {
-  std::call_once(path_schedule_->made, [this] {
-    path_schedule_->schedule = std::make_unique<const PathSchedule>(world().lane_trips);
-  });
+  std::call_once(path_schedule_->made,
+                 [this] { path_schedule_->schedule = std::make_unique<const PathSchedule>(world().lane_trips); });
   return *path_schedule_->schedule;
 }
 

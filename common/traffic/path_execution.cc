@@ -144,7 +144,7 @@ class PathExecution {
   const PathSchedule& schedule_;
   std::span<const LaneTrip> trips_;
   TrafficPlan& plan_;
-  std::vector<std::uint32_t> row_of_;  // by trip; kNone: it takes no part
+  std::vector<std::uint32_t> row_of_;   // by trip; kNone: it takes no part
   std::vector<std::uint32_t> granted_;  // by trip: moves, those that are done included
 };
 

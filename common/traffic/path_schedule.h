@@ -1,5 +1,5 @@
-// PathSchedule: the order of the moves on given paths, as an action dependency graph (Hoenig and others, "Persistent and
-// robust execution of MAPF schedules in warehouses", 2019).
+// PathSchedule: the order of the moves on given paths, as an action dependency graph (Hoenig and others, "Persistent
+// and robust execution of MAPF schedules in warehouses", 2019).
 //
 // A path says at which step of its plan a robot is at each vertex. Of the plan only the order counts: a robot may begin
 // a move to a vertex once the robot that was there before it, by the plan, has left it. So no delay of a robot leads to
@@ -57,7 +57,9 @@ class PathSchedule {
   // No trip has a path.
   bool empty() const { return needs_.empty(); }
   // By robot: the place of its trip among the trips; kNone without a path.
-  std::uint32_t TripOf(RobotId robot) const { return robot.index() < trip_of_.size() ? trip_of_[robot.index()] : kNone; }
+  std::uint32_t TripOf(RobotId robot) const {
+    return robot.index() < trip_of_.size() ? trip_of_[robot.index()] : kNone;
+  }
   std::size_t MovesOf(std::uint32_t trip) const { return first_[trip + 1] - first_[trip]; }
   const Need& NeedOf(std::uint32_t trip, std::size_t move) const { return needs_[first_[trip] + move]; }
   std::span<const CircleMove> circle(std::uint32_t number) const {

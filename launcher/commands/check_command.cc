@@ -150,8 +150,8 @@ std::string DescribeSite(const LoadedWorld& loaded) {
 std::string DescribeGrid(const LoadedWorld& loaded) {
   if (loaded.site != nullptr || loaded.world.lane_graphs.empty()) return "";
   const LaneGraph& graph = loaded.world.lane_graphs.front();
-  std::string text = fmt::format("cells: {} free, {} between them\n", graph.vertices.size(),
-                                 CountText(graph.lanes.size(), "lane"));
+  std::string text =
+      fmt::format("cells: {} free, {} between them\n", graph.vertices.size(), CountText(graph.lanes.size(), "lane"));
   const std::vector<LaneTrip>& trips = loaded.world.lane_trips;
   if (trips.empty()) return text;
   std::size_t goals = 0;
@@ -163,7 +163,8 @@ std::string DescribeGrid(const LoadedWorld& loaded) {
     steps = std::max(steps, trip.steps.empty() ? 0U : trip.steps.back());
   }
   text += fmt::format("agents: {}, {}", trips.size(), CountText(goals, "goal"));
-  if (!trips.front().path.empty()) text += fmt::format(", paths of {} in {}", CountText(moves, "move"), CountText(steps, "step"));
+  if (!trips.front().path.empty())
+    text += fmt::format(", paths of {} in {}", CountText(moves, "move"), CountText(steps, "step"));
   return text + "\n";
 }
 

@@ -112,7 +112,8 @@ int ExportCommand(const ExportArguments& arguments) {
 }  // namespace
 
 void AddExportCommand(CLI::App& app, int& exit_status) {
-  CLI::App* command = app.add_subcommand("export", "Write a recording for other programs: Foxglove, ROS 2, tables, the League");
+  CLI::App* command =
+      app.add_subcommand("export", "Write a recording for other programs: Foxglove, ROS 2, tables, the League");
   const auto arguments = std::make_shared<ExportArguments>();  // lives as long as the command
   command->add_option("FILE", arguments->file, "A recording of 'troupe run --record FILE.mcap'")
       ->required()

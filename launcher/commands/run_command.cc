@@ -181,8 +181,9 @@ Status PlanPaths(RunOptions& options, const TemporaryFolder& folder) {
   const std::string file = grid.paths.empty() ? folder.path() + "/planned.paths" : grid.paths;
   grid.paths.clear();
   if (!IsGridPath(options.file)) {
-    return Error{{options.file}, "found no problem of paths for --planner, expected .scen, .pogema or a problem of the "
-                                 "League (.json)"};
+    return Error{{options.file},
+                 "found no problem of paths for --planner, expected .scen, .pogema or a problem of the "
+                 "League (.json)"};
   }
   const Result<GridProblem> problem = ReadGridProblem(options.file, grid);
   if (!problem.ok()) return problem.error();

@@ -253,9 +253,9 @@ class LeagueExport final : public RunExport {
   }
 
   std::string output_;
-  std::string problem_;                // the file of the run
-  std::vector<GridCell> cells_ = {};   // by vertex
-  std::vector<Robot> robots_ = {};     // by trip
+  std::string problem_;               // the file of the run
+  std::vector<GridCell> cells_ = {};  // by vertex
+  std::vector<Robot> robots_ = {};    // by trip
   std::optional<Tick> first_tick_ = {};
   std::size_t ticks_ = 0;
 };

@@ -55,8 +55,7 @@ Result<std::string> RunFilter(const std::string& command, const std::string& inp
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return SystemFailure("cannot make a pipe");
   const OwnDescriptor reading(ends[0]);
   OwnDescriptor writing(ends[1]);
-  Result<Process> process =
-      Process::Start({"/bin/sh", "-c", command}, {given.get(), writing.get(), STDERR_FILENO});
+  Result<Process> process = Process::Start({"/bin/sh", "-c", command}, {given.get(), writing.get(), STDERR_FILENO});
   if (!process.ok()) return process.error();
   writing.Close();
   std::string output;

@@ -311,9 +311,9 @@ std::string RobotsText(const RunSummary& run, bool has_styles) {
 
 // The outcome of a problem of paths.
 std::string TripsText(const TripSummary& trips) {
-  const std::string arrived = trips.arrived == trips.robots ? CountText(trips.robots, "robot") + " arrived"
-                                                            : fmt::format("{} of {} arrived", trips.arrived,
-                                                                          CountText(trips.robots, "robot"));
+  const std::string arrived = trips.arrived == trips.robots
+                                  ? CountText(trips.robots, "robot") + " arrived"
+                                  : fmt::format("{} of {} arrived", trips.arrived, CountText(trips.robots, "robot"));
   return fmt::format("{}, {} visited, makespan {:.1f} s, flow time {:.1f} s, {:.2f} goals a second\n", arrived,
                      CountText(trips.goals, "goal"), trips.makespan, trips.flow_time, trips.throughput);
 }

@@ -63,9 +63,8 @@ class PathsTest : public testing::Test {
   std::string Path(const std::string& name) const { return folder_.Path(name); }
 
   Finished Run(const std::string& problem, const std::string& name, std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {"run",       Path(problem),      "--headless", "--speed",
-                                          "max",       "--hash-log",       Path(name),   "--summary",
-                                          Path(name + ".json")};
+    std::vector<std::string> arguments = {"run",        Path(problem), "--headless", "--speed",           "max",
+                                          "--hash-log", Path(name),    "--summary",  Path(name + ".json")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Finish(Troupe(arguments));
   }
@@ -102,7 +101,8 @@ TEST_F(PathsTest, ThePlannedTrafficBringsAllAgentsToTheirGoals) {
   EXPECT_EQ(trips["goals"], 6);
   EXPECT_GT(trips["makespan"], 12.0);
   EXPECT_GT(trips["flow_time"], trips["makespan"]);
-  EXPECT_THAT(OutputOf(Run("m.scen", "first", {"--in-process", "--agents", "2"})), HasSubstr("2 robots arrived, 2 goals"));
+  EXPECT_THAT(OutputOf(Run("m.scen", "first", {"--in-process", "--agents", "2"})),
+              HasSubstr("2 robots arrived, 2 goals"));
 }
 
 TEST_F(PathsTest, RobotsFollowPathsWithDelaysInEveryRun) {

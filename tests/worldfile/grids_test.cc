@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/base/source_text.h"
 #include "robot-agent/controller/create_controller.h"
 #include "tests/worldfile/world_folder.h"
 #include "worldfile/grids/grid_problem.h"
@@ -79,7 +80,7 @@ TEST_F(GridsTest, AMapIsAWorldWithLanesBetweenFreeCells) {
   const ModelDescription& map = loaded.world.models[0];
   EXPECT_EQ(map.size_x, 4.0);
   EXPECT_EQ(map.size_y, 3.0);
-  EXPECT_EQ(map.map.width, 4u);
+  EXPECT_EQ(map.map, (MapGrid{4, 3, 1.0}));
   std::vector<std::string> areas;
   for (const Rectangle& r : loaded.world.shape(map.shape).rectangles) {
     areas.push_back(NumberText(r.min_x) + " " + NumberText(r.min_y) + " " + NumberText(r.max_x) + " " +
@@ -214,7 +215,8 @@ TEST_F(GridsTest, BadPathsGiveOneLineWithTheirPlace) {
       {first + first, "p.paths:2:7: error: found agent 0 again, expected each once"},
       {first, "p.paths: error: found no path of r1, expected one"},
       {"Agent 0:(1,0)->(0,0)\n", "p.paths:1:9: error: found the place (1, 0), expected the start (0, 0) of r0"},
-      {"Agent 0:(0,0)->(2,0)\n", "p.paths:1:16: error: found a jump to (2, 0), expected the cell before or one beside it"},
+      {"Agent 0:(0,0)->(2,0)\n",
+       "p.paths:1:16: error: found a jump to (2, 0), expected the cell before or one beside it"},
       {"Agent 0:(0,0)->(0,-1)\n", "p.paths:1:16: error: found the place (0, -1) outside of the map of 4 x 3 cells"},
       {"Agent 0:(0,0)->(0,1)->(1,1)\n", "p.paths:1:23: error: found the blocked cell (1, 1), expected a free one"},
       {"Agent 0:(0,0)->(1,0)\n",
@@ -283,7 +285,8 @@ TEST_F(GridsTest, PathsOfTheLeagueAreActions) {
   GridOptions options;
   // Three ticks a move, and a wait in the middle of one.
   options.paths = folder_.Write(
-      "p.json", R"({"agentMaxCounter": 3, "actualPaths": ["[(0,0,0,0,0):(F 2,W 4,F 1,F 3,R 3)][(13,0,2,1,0):(C 3,F 3)]"]})");
+      "p.json",
+      R"({"agentMaxCounter": 3, "actualPaths": ["[(0,0,0,0,0):(F 2,W 4,F 1,F 3,R 3)][(13,0,2,1,0):(C 3,F 3)]"]})");
   const GridProblem segments = Read("one.scen", options);
   EXPECT_THAT(segments.agents[0].path, ElementsAre(GridCell{0, 0}, GridCell{1, 0}, GridCell{2, 0}, GridCell{3, 0}));
   EXPECT_THAT(segments.agents[0].steps, ElementsAre(0, 7, 10, 19));
@@ -304,8 +307,9 @@ TEST_F(GridsTest, PathsOfTheLeagueAreActions) {
 }
 
 TEST_F(GridsTest, ProblemsForPlannersAreJson) {
-  EXPECT_EQ(ProblemJson(Read("room.scen", {.agents = 1})),
-            R"({"width":4,"height":3,"map":["....",".@@.","@..."],"agents":[{"name":"r0","start":[0,0],"goals":[[3,0]]}]})");
+  EXPECT_EQ(
+      ProblemJson(Read("room.scen", {.agents = 1})),
+      R"({"width":4,"height":3,"map":["....",".@@.","@..."],"agents":[{"name":"r0","start":[0,0],"goals":[[3,0]]}]})");
 }
 
 TEST(ParseMoveDelays, ReadsOneOrThreeNumbers) {

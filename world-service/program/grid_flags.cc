@@ -21,8 +21,8 @@ void AddGridFlags(CLI::App& app, GridOptions& options, const std::string& group)
       ->check(WholeNumber(1, kMaxAgents))
       ->type_name("N")
       ->group(group);
-  app.add_option("--cell", options.cell, fmt::format("With a map of cells: the side of a cell, m (default: {:g})",
-                                                     kDefaultCell))
+  app.add_option("--cell", options.cell,
+                 fmt::format("With a map of cells: the side of a cell, m (default: {:g})", kDefaultCell))
       ->check(PositiveNumber())
       ->type_name("M")
       ->group(group);

@@ -48,8 +48,8 @@ Result<std::size_t> ReadHeader(const std::vector<GridLine>& lines, GridMap& map)
     }
     const std::optional<std::uint32_t> number = words[1].To<std::uint32_t>();
     if (!number) {
-      return Error{words[1].where, fmt::format("found {} for the {}, expected a number of cells",
-                                               Quoted(words[1].text), key)};
+      return Error{words[1].where,
+                   fmt::format("found {} for the {}, expected a number of cells", Quoted(words[1].text), key)};
     }
     (key == "width" ? width : height) = number;
   }

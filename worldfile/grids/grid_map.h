@@ -6,8 +6,8 @@
 // between free cells that have a side in common.
 //
 // Of a `.map`: '.', 'G', 'S' (swamp, or a service point), and 'E' (an emitter) are free; '@', 'O', 'T' (trees) and 'W'
-// (water) are blocked. Of a POGEMA string: '#' is blocked, all others are free: '.', '!', '@' (a possible start), '$' (a
-// possible target), a letter (the start of an agent) and its capital (the target of that agent).
+// (water) are blocked. Of a POGEMA string: '#' is blocked, all others are free: '.', '!', '@' (a possible start), '$'
+// (a possible target), a letter (the start of an agent) and its capital (the target of that agent).
 //
 // Errors have line and column. Memory: a bit for each cell.
 #pragma once
@@ -47,7 +47,7 @@ struct GridMap {
   std::string file;  // in messages
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::vector<bool> blocked;        // by row from the top
+  std::vector<bool> blocked;       // by row from the top
   std::map<char, GridMark> marks;  // by letter, of a POGEMA string
 
   bool Contains(std::int64_t x, std::int64_t y) const { return x >= 0 && y >= 0 && x < width && y < height; }

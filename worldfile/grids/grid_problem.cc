@@ -96,8 +96,8 @@ Status CheckAgents(const GridProblem& problem) {
 Result<MoveDelays> ParseMoveDelays(const std::string& text) {
   MoveDelays delays;
   const auto fail = [&] {
-    return BadInput(fmt::format("found {}, expected a probability, or 'PROBABILITY,MIN,MAX' with s from MIN to MAX",
-                                Quoted(text)));
+    return BadInput(
+        fmt::format("found {}, expected a probability, or 'PROBABILITY,MIN,MAX' with s from MIN to MAX", Quoted(text)));
   };
   std::vector<double> numbers;
   std::string_view rest = text;
@@ -148,13 +148,14 @@ Result<GridProblem> ReadGridProblem(const std::string& path, const GridOptions& 
   GridProblem& problem = read.value();
   problem.cell = options.cell.value_or(kDefaultCell);
   if (!(problem.cell >= kMinCell && problem.cell <= kMaxCell)) {
-    return Error{{}, fmt::format("option --cell: found {}, expected {} to {} m", NumberText(problem.cell), kMinCell,
-                                 kMaxCell)};
+    return Error{
+        {}, fmt::format("option --cell: found {}, expected {} to {} m", NumberText(problem.cell), kMinCell, kMaxCell)};
   }
   if (options.delays) problem.delays = options.delays;
   if (options.agents && problem.agents.size() < *options.agents) {
-    return Error{{path}, fmt::format("found {}, expected {} for option --agents", CountText(problem.agents.size(), "agent"),
-                                     *options.agents)};
+    return Error{{path},
+                 fmt::format("found {}, expected {} for option --agents", CountText(problem.agents.size(), "agent"),
+                             *options.agents)};
   }
   if (options.agents) problem.agents.resize(*options.agents);
   if (problem.agents.size() > kMaxAgents) {

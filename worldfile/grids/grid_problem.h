@@ -1,7 +1,8 @@
 // Problems of multi-agent paths on a map of cells: agents with starts and goals, and perhaps their paths.
 //
-// Files: movingai's `.scen` (an agent each row), a `.map` alone (no agents), a POGEMA string (an agent each letter), and
-// the problems of the League of Robot Runners (`.json` with `mapFile`). Paths come from a second file (path_text.h).
+// Files: movingai's `.scen` (an agent each row), a `.map` alone (no agents), a POGEMA string (an agent each letter),
+// and the problems of the League of Robot Runners (`.json` with `mapFile`). Paths come from a second file
+// (path_text.h).
 //
 // A problem that is read can be solved as far as a look at each agent tells: starts are free and apart, and each goal
 // can be reached from the start; goals of agents that have only one are apart, too. Paths, if there are any, are those

@@ -15,16 +15,16 @@
 namespace troupe {
 namespace {
 
-constexpr double kRadius = 0.175;         // of a cell
-constexpr double kMargin = 0.205;         // m, to the middle between two lanes, as the planned traffic keeps it
-constexpr double kGap = 0.05;             // m, to the robot ahead
-constexpr double kHeight = 0.3;           // m
-constexpr int kCorners = 16;              // of the disc
-constexpr double kSpeed = 1.0;            // m/s
-constexpr double kAcceleration = 2.0;     // m/s^2
-constexpr double kTurnRate = 180.0;       // degrees/s
+constexpr double kRadius = 0.175;            // of a cell
+constexpr double kMargin = 0.205;            // m, to the middle between two lanes, as the planned traffic keeps it
+constexpr double kGap = 0.05;                // m, to the robot ahead
+constexpr double kHeight = 0.3;              // m
+constexpr int kCorners = 16;                 // of the disc
+constexpr double kSpeed = 1.0;               // m/s
+constexpr double kAcceleration = 2.0;        // m/s^2
+constexpr double kTurnRate = 180.0;          // degrees/s
 constexpr double kTurnAcceleration = 720.0;  // degrees/s^2
-constexpr double kTurnRateOfWay = 3.0;    // rad/s, of the controller
+constexpr double kTurnRateOfWay = 3.0;       // rad/s, of the controller
 
 std::vector<double> Symmetric(double x, double heading) {
   return {-x, x, 0.0, 0.0, 0.0, 0.0, -heading, heading};
@@ -50,7 +50,8 @@ Define CellRobot(double cell, const SourceLocation& where) {
 
 // With a path the robot follows it; else it goes to its goals, and back to the last one when it has made room.
 std::string ControllerOf(const GridProblem& problem, const GridAgent& agent) {
-  std::string text = fmt::format("lanes planned=true repeat=false wait=0 keep_place=true turn_rate={} gap={}", kTurnRateOfWay, kGap);
+  std::string text =
+      fmt::format("lanes planned=true repeat=false wait=0 keep_place=true turn_rate={} gap={}", kTurnRateOfWay, kGap);
   if (problem.delays) {
     text += fmt::format(" delay_probability={} delay_min={} delay_max={}", problem.delays->probability,
                         problem.delays->min_seconds, problem.delays->max_seconds);

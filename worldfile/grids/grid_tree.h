@@ -2,9 +2,9 @@
 //
 // The tree has the define `CellRobot`, a disc that drives from cell to cell. It is so small that two of them pass each
 // other on lanes that are a cell apart, and that four can go round in a circle of four cells, one after another, each
-// by the distance that `lanes` keeps to the circle around the box of the robot ahead. Robots have the controller `lanes`, which takes
-// part in the planned traffic; the lanes themselves follow from the problem that the tree refers to
-// (worldfile/models/grid_lanes.h).
+// by the distance that `lanes` keeps to the circle around the box of the robot ahead. Robots have the controller
+// `lanes`, which takes part in the planned traffic; the lanes themselves follow from the problem that the tree refers
+// to (worldfile/models/grid_lanes.h).
 #pragma once
 
 #include <memory>

@@ -151,7 +151,9 @@ class LeagueReader {
         if (!place.ok()) return place.error();
         places.push_back(place.value());
       }
-      const auto last_of = [](const GridAgent& agent) { return agent.goals.empty() ? agent.start : agent.goals.back(); };
+      const auto last_of = [](const GridAgent& agent) {
+        return agent.goals.empty() ? agent.start : agent.goals.back();
+      };
       const std::uint64_t soonest = *std::min_element(free_at.begin(), free_at.end());
       std::optional<std::size_t> best;
       for (std::size_t each = 0; each < free_at.size(); ++each) {
@@ -177,7 +179,8 @@ class LeagueReader {
     const JsonNode* const node = object.Find(key);
     if (node == nullptr) return otherwise;
     if (node->is_number() && node->number >= 0.0 && node->number <= most) return node->number;
-    return json_.ErrorAt(*node, fmt::format("found {} for '{}', expected a number up to {}", Describe(*node), key, most));
+    return json_.ErrorAt(*node,
+                         fmt::format("found {} for '{}', expected a number up to {}", Describe(*node), key, most));
   }
 
   Status ReadDelays() {
@@ -194,8 +197,8 @@ class LeagueReader {
     const double ticks = std::max(counter.value(), 1.0);
     if (least.value() > most.value()) return json_.ErrorAt(*config, "found 'minDelay' above 'maxDelay'");
     if (probability.value() == 0.0) return Status();
-    problem_.delays = MoveDelays{std::min(1.0, probability.value() * ticks), least.value() / ticks,
-                                 most.value() / ticks};
+    problem_.delays =
+        MoveDelays{std::min(1.0, probability.value() * ticks), least.value() / ticks, most.value() / ticks};
     return Status();
   }
 

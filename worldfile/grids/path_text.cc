@@ -176,8 +176,9 @@ Result<WrittenPath> PlaySegments(std::string_view text, const SourceLocation& wh
   std::optional<ActionPlayer> player;
   std::uint64_t ticks = 0;
   const auto fail = [&](std::string_view rest) {
-    return Error{where, fmt::format("found {} in a path, expected '[(t,row,column,orientation,counter):(ACTION N,...)]'",
-                                    Quoted(rest, 20))};
+    return Error{where,
+                 fmt::format("found {} in a path, expected '[(t,row,column,orientation,counter):(ACTION N,...)]'",
+                             Quoted(rest, 20))};
   };
   while (!text.empty()) {
     const std::size_t end = text.find(":(");
@@ -247,8 +248,8 @@ Result<std::vector<WrittenPath>> ReadLeaguePaths(const std::string& text, const 
     return json.ErrorAt(root, "found no list 'actualPaths', expected one as in an output of the League");
   }
   if (list->items.size() < agents) {
-    return json.ErrorAt(*list, fmt::format("found {}, expected one for each of {}", CountText(list->items.size(), "path"),
-                                           CountText(agents, "agent")));
+    return json.ErrorAt(*list, fmt::format("found {}, expected one for each of {}",
+                                           CountText(list->items.size(), "path"), CountText(agents, "agent")));
   }
   std::uint32_t counter = 1;
   if (const JsonNode* const given = root.Find("agentMaxCounter")) {
@@ -312,8 +313,8 @@ Status SetPath(const WrittenPath& written, std::size_t x, const GridProblem& pro
     } else {
       const std::vector<GridCell> next = FreeNeighbours(problem.map, agent.path.back());
       if (std::find(next.begin(), next.end(), cell) == next.end()) {
-        return Error{place.where, fmt::format("found a jump to {}, expected the cell before or one beside it",
-                                              NumbersText(place))};
+        return Error{place.where,
+                     fmt::format("found a jump to {}, expected the cell before or one beside it", NumbersText(place))};
       }
     }
     agent.path.push_back(cell);
@@ -356,8 +357,8 @@ Status ReadPaths(const std::string& text, const std::string& path, GridProblem& 
   if (problem.agents.empty()) return Error{{path}, "found paths for a problem without agents, expected agents"};
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool is_json = first != std::string::npos && text[first] == '{';
-  Result<std::vector<WrittenPath>> read = is_json ? ReadLeaguePaths(text, path, problem.agents.size())
-                                                  : ReadTextPaths(text, path, problem.agents.size());
+  Result<std::vector<WrittenPath>> read =
+      is_json ? ReadLeaguePaths(text, path, problem.agents.size()) : ReadTextPaths(text, path, problem.agents.size());
   if (!read.ok()) return read.error();
   const std::size_t x = is_json || AreRowsFirst(read.value(), problem) ? 1 : 0;
   std::vector<std::vector<SourceLocation>> where(problem.agents.size());

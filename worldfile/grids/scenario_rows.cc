@@ -28,8 +28,8 @@ Result<GridCell> ReadCell(const std::vector<GridWord>& words, std::size_t first,
   }
   const GridCell cell{numbers[0], numbers[1]};
   if (map.IsFree(cell)) return cell;
-  return Error{words[first].where, fmt::format("found the {} at the blocked cell {}, expected a free one", what,
-                                               ToString(cell))};
+  return Error{words[first].where,
+               fmt::format("found the {} at the blocked cell {}, expected a free one", what, ToString(cell))};
 }
 
 // As files of benchmarks name it: with a folder that is not there.
@@ -49,8 +49,9 @@ Result<GridProblem> ReadScenarioRows(const std::string& text, const std::string&
   const std::vector<GridLine> lines = GridLinesOf(text, path);
   const std::vector<GridWord> version = lines.empty() ? std::vector<GridWord>() : lines[0].Words();
   if (version.size() != 2 || version[0].text != "version" || version[1].To<double>() != 1.0) {
-    return Error{{path, 1, 1}, fmt::format("found {}, expected 'version 1'",
-                                           Quoted(lines.empty() ? std::string_view() : lines[0].text))};
+    return Error{
+        {path, 1, 1},
+        fmt::format("found {}, expected 'version 1'", Quoted(lines.empty() ? std::string_view() : lines[0].text))};
   }
   std::string map_name;
   for (std::size_t i = 1; i < lines.size() && (!agents || problem.agents.size() < *agents); ++i) {
@@ -71,9 +72,9 @@ Result<GridProblem> ReadScenarioRows(const std::string& text, const std::string&
       for (std::size_t field : {std::size_t{2}, std::size_t{3}}) {
         const std::uint32_t size = field == 2 ? problem.map.width : problem.map.height;
         if (words[field].To<std::uint32_t>() == size) continue;
-        problem.warnings.push_back({words[field].where, fmt::format("found a {} of {}, expected {} as of the map",
-                                                                    field == 2 ? "width" : "height",
-                                                                    Quoted(words[field].text), size)});
+        problem.warnings.push_back(
+            {words[field].where, fmt::format("found a {} of {}, expected {} as of the map",
+                                             field == 2 ? "width" : "height", Quoted(words[field].text), size)});
       }
     } else if (words[1].text != map_name) {
       return Error{words[1].where, fmt::format("found the map {}, expected {} as in the first row",

@@ -53,8 +53,9 @@ Status AddGrid(const GridProblem& problem, WorldDescription& world) {
   const auto free = static_cast<std::size_t>(std::count(problem.map.blocked.begin(), problem.map.blocked.end(), false));
   if (free > kMaxLaneCells) {
     if (problem.agents.empty()) return Status();
-    return Error{{problem.map.file}, fmt::format("found {} free cells, expected at most {} for a problem with agents",
-                                                 free, kMaxLaneCells)};
+    return Error{
+        {problem.map.file},
+        fmt::format("found {} free cells, expected at most {} for a problem with agents", free, kMaxLaneCells)};
   }
   const std::vector<std::uint32_t> vertex_of = AddGraph(problem, world);
   std::map<std::string, RobotId> robots;

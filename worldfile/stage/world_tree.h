@@ -143,8 +143,8 @@ struct WorldTree {
   std::map<std::string, Define> defines;  // for making further instances (spawn rules)
   std::vector<std::string> files;         // every file that was read, the top one first
   std::vector<Warning> warnings;
-  std::string directory;                  // of the top file: relative bitmaps and includes start here
-  std::shared_ptr<const Site> site = {};  // that the tree was made from; null for other files
+  std::string directory;                         // of the top file: relative bitmaps and includes start here
+  std::shared_ptr<const Site> site = {};         // that the tree was made from; null for other files
   std::shared_ptr<const GridProblem> grid = {};  // likewise
 };
 

@@ -251,7 +251,8 @@ std::optional<RosMap> ReadCellMap(PropertyReader& reader, BuildContext& context)
   const SourceLocation& where = property->value.where;
   if (!(cell >= kMinCell && cell <= kMaxCell)) {
     reader.diagnostics().Fail(reader.Where("cell_size"), "found cells of " + NumberText(cell) + " m, expected " +
-                                                             NumberText(kMinCell) + " to " + NumberText(kMaxCell) + " m");
+                                                             NumberText(kMinCell) + " to " + NumberText(kMaxCell) +
+                                                             " m");
     return std::nullopt;
   }
   if (context.without_bitmaps) {

@@ -49,7 +49,8 @@ struct RosMap {
   }
 };
 
-// The map of the property `map_yaml` or `map_cells`; nothing if there is none, or it cannot be read. Valid as long as the context.
+// The map of the property `map_yaml` or `map_cells`; nothing if there is none, or it cannot be read. Valid as long as
+// the context.
 std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context);
 
 // A moving model's shape, with the rectangles of its bitmap in a list. More than kMaxMovingRectangles of a dense bitmap

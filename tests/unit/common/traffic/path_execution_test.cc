@@ -250,8 +250,8 @@ TEST(PathExecutionTest, RobotsAfterOneThatIsLostWait) {
   // It comes, drives on, and the other one follows.
   ExecutePaths(graph, schedule, trips, std::vector{TrafficRequest{.robot = RobotId(0), .at = 1}, second}, 500, plan);
   EXPECT_EQ(plan.moves.size(), 2u);
-  ExecutePaths(graph, schedule, trips,
-               std::vector{TrafficRequest{.robot = RobotId(0), .at = 2, .finished = 1}, second}, 501, plan);
+  ExecutePaths(graph, schedule, trips, std::vector{TrafficRequest{.robot = RobotId(0), .at = 2, .finished = 1}, second},
+               501, plan);
   ASSERT_EQ(plan.moves.size(), 2u);
   EXPECT_EQ(plan.moves[1].robot, RobotId(1));
 }
