@@ -131,9 +131,8 @@ struct LaneTrip {
   static constexpr auto Fields() {
     return std::tuple{
         Field{"robot", &LaneTrip::robot},
-        Field{"goals", &LaneTrip::goals, "vertices to be visited in this order; it stays at the last one"},
-        Field{"path", &LaneTrip::path,
-              "vertices along lanes, its start first; none: the planned traffic finds the way"},
+        Field{"goals", &LaneTrip::goals, "vertices that are to be visited in this order; it stays at the last one"},
+        Field{"path", &LaneTrip::path, "vertices along lanes, its start first; none: planned traffic finds it"},
         Field{"steps", &LaneTrip::steps, "of the plan, at which it is at each vertex of the path; ascending from 0"},
     };
   }
