@@ -79,8 +79,13 @@ const WalkRoutes& Scene::walk_routes() const {
 }
 
 const PathSchedule& Scene::path_schedule() const {
-  std::call_once(path_schedule_->made,
-                 [this] { path_schedule_->schedule = std::make_unique<const PathSchedule>(world().lane_trips); });
+  std::call_once(path_schedule_->made, [this] {
+    std::vector<LaneTrip> trips = world().lane_trips;
+    for (LaneTrip& trip : trips) {
+      if (!RobotExists(world(), trip.robot)) trip.path.clear();  // the others do not wait for it
+    }
+    path_schedule_->schedule = std::make_unique<const PathSchedule>(trips);
+  });
   return *path_schedule_->schedule;
 }
 
