@@ -113,7 +113,7 @@ TEST_F(GridsTest, TheAgentsOfRowsAreRobotsWithTrips) {
   ASSERT_THAT(loaded.world.lane_trips, SizeIs(1));
   const std::uint32_t goal = loaded.world.lane_trips[0].goals.at(0);
   EXPECT_EQ(loaded.world.lane_graphs[0].vertices[goal].name, "x3y0");
-  EXPECT_THAT(loaded.warnings, IsEmpty());
+  for (const Warning& warning : loaded.warnings) ADD_FAILURE() << warning.ToString();
   EXPECT_TRUE(loaded.settings.ticks);
   EXPECT_THAT(folder_.Load("room.scen", WithGrid({})).world.robots, SizeIs(2));
 }
@@ -207,7 +207,7 @@ TEST_F(GridsTest, BadPathsGiveOneLineWithTheirPlace) {
   const std::pair<std::string, std::string> bad[] = {
       {"Robot 0:(0,0)\n", "p.paths:1:1: error: found 'Robot 0:(0,0)', expected 'Agent N:' and its path"},
       {"Agent 7:(0,0)\n", "p.paths:1:7: error: found no number of an agent, expected 0 to 1"},
-      {"Agent 0 (0,0)\n", "p.paths:1:9: error: found ' (0,0)', expected ':'"},
+      {"Agent 0 (0,0)\n", "p.paths:1:9: error: found '(0,0)', expected ':'"},
       {"Agent 0:(0,0)(1,0)\n", "p.paths:1:14: error: found '(1,0)', expected '->'"},
       {"Agent 0:(0,0)->(1,a)\n",
        "p.paths:1:19: error: found 'a)', expected a place (a,b) or (a,b,step) of whole numbers"},
