@@ -41,8 +41,7 @@ Status CheckGraph(const WorldDescription& world, const LaneGraph& graph) {
 }
 
 // Vertices in the order of a path have lanes between them, and steps ascend.
-std::string CheckTrip(const WorldDescription& world, const LaneTrip& trip, std::size_t vertices) {
-  if (trip.robot.index() >= world.robots.size()) return "its robot does not exist";
+std::string CheckTrip(const LaneTrip& trip, std::size_t vertices) {
   const auto has_vertex = [&](std::uint32_t vertex) { return vertex < vertices; };
   if (!std::all_of(trip.goals.begin(), trip.goals.end(), has_vertex)) return "a goal of it does not exist";
   if (!std::all_of(trip.path.begin(), trip.path.end(), has_vertex)) return "a vertex of its path does not exist";
@@ -58,7 +57,7 @@ Status CheckTrips(const WorldDescription& world) {
   std::size_t vertices = 0;
   for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
   for (std::size_t i = 0; i < world.lane_trips.size(); ++i) {
-    std::string problem = CheckTrip(world, world.lane_trips[i], vertices);
+    std::string problem = CheckTrip(world.lane_trips[i], vertices);
     if (problem.empty() && i > 0 && !(world.lane_trips[i - 1].robot < world.lane_trips[i].robot)) {
       problem = "its robot is not after that of the trip before";
     }

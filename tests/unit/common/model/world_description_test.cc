@@ -302,7 +302,7 @@ TEST(Validate, NamesTheFaultOfASite) {
       {[](auto& w) {
          w.lane_trips = {{RobotId(9), {}, {}, {}}};
        },
-       "trip 0: its robot does not exist"},
+       "lane_trips.0.robot: found 9, expected one of 2"},
       {[](auto& w) {
          w.lane_trips = {{RobotId(0), {99}, {}, {}}};
        },
