@@ -69,8 +69,8 @@ CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
   return app
       .add_option(
           "FILE", file,
-          "A Stage world (.world), a scenario or a layout (LIF) (.json), a building (.building.yaml) or a ROS map "
-          "(.yaml)")
+          "A Stage world (.world), a scenario or a layout (LIF) (.json), a building (.building.yaml), a ROS map "
+          "(.yaml), a map of cells (.map, .pogema) or a problem of paths on one (.scen, .json of the League)")
       ->required()
       ->check(NotEmpty())
       ->type_name("");

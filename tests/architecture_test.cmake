@@ -36,24 +36,25 @@ set(may_include_worldfile/map
   common/base common/geometry common/model common/bitmap common/image worldfile/stage worldfile/text)
 set(may_include_worldfile/sites
   common/base common/geometry common/model worldfile/stage worldfile/text)
+set(may_include_worldfile/grids
+  common/base common/geometry common/model common/bitmap common/traffic worldfile/sites worldfile/stage worldfile/text)
 set(may_include_worldfile/models/properties
-  common/base common/geometry common/model worldfile/map worldfile/stage worldfile/text)
+  common/base common/geometry common/model worldfile/grids worldfile/map worldfile/stage worldfile/text)
 set(may_include_worldfile/models/types
   common/base common/geometry common/model worldfile/models/properties worldfile/stage
   worldfile/text)
 set(may_include_worldfile/models
-  common/base common/geometry common/image common/model common/run common/spatial common/traffic worldfile/map
-  worldfile/models/properties
-  worldfile/models/types worldfile/sites worldfile/stage worldfile/text)
+  common/base common/geometry common/image common/model common/run common/spatial common/traffic worldfile/grids
+  worldfile/map worldfile/models/properties worldfile/models/types worldfile/sites worldfile/stage worldfile/text)
 set(may_include_worldfile/scenario
   common/base common/geometry common/model common/bitmap common/run common/spatial
-  worldfile/models worldfile/models/types worldfile/map worldfile/sites worldfile/stage
+  worldfile/grids worldfile/models worldfile/models/types worldfile/map worldfile/sites worldfile/stage
   worldfile/text)
 set(may_include_worldfile/edit
   common/base common/geometry worldfile/stage worldfile/text)
 set(may_include_worldfile
   common/base common/geometry common/model
-  worldfile/models worldfile/models/types worldfile/map worldfile/scenario worldfile/sites
+  worldfile/grids worldfile/models worldfile/models/types worldfile/map worldfile/scenario worldfile/sites
   worldfile/stage worldfile/text)
 # VDA 5050: messages, and the rules of both sides, as pure functions.
 set(may_include_fleet common/base)
@@ -100,7 +101,7 @@ set(may_include_world-service/observers/ros
   ros/connection ros/link idl/ros world-service/core world-service/service worldfile/sites)
 set(may_include_world-service/program
   common/base command_line common/model transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
-  worldfile worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
+  worldfile worldfile/grids worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
   world-service/service)
 set(may_include_world-service
   common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/link common/run transport/security common/spatial
@@ -196,19 +197,20 @@ set(may_include_launcher/supervise
   common/base command_line transport/dds/binding common/model transport/protocol recording ros/flags ros/messages ros/link common/run
   transport/security common/spatial
   common/trace
-  worldfile worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
+  worldfile worldfile/grids worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
 set(may_include_launcher/export
-  common/base common/sensing common/signals common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove
+  common/base common/sensing common/signals common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove common/model worldfile/grids
   world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands
   common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
-  ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
+  ros/messages common/sensing common/spatial common/trace worldfile worldfile/grids worldfile/models worldfile/scenario
   worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
-  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
+  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder
+  world-service/program world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "worldfile/grids/grid_tree.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/models/build_world.h"
 #include "worldfile/models/crowd.h"
@@ -43,12 +44,28 @@ Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& o
   if (!built.ok()) return built;
   Result<LoadedWorld> crowded = AddCrowd(std::move(built).value());
   if (!crowded.ok()) return crowded;
-  if (Status error = PrepareForControllers(crowded.value(), path, overrides); !error.ok()) return error.error();
+  PrepareLanes(crowded.value(), path);
+  if (Status error = CheckControllersInWorld(crowded.value(), path, overrides); !error.ok()) return error.error();
   return crowded;
+}
+
+Result<LoadedWorld> LoadGrid(const std::string& path, const LoadOverrides& overrides) {
+  const Result<WorldTree> tree = ReadGridTree(path, overrides.grid, overrides.allowed);
+  if (!tree.ok()) return tree.error();
+  Result<LoadedWorld> built = BuildWorld(tree.value(), overrides);
+  if (!built.ok()) return built;
+  if (Status error = CheckControllersInWorld(built.value(), path, overrides); !error.ok()) return error.error();
+  return built;
 }
 
 Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& overrides) {
   const std::string ending = std::filesystem::path(path).extension().string();
+  if (IsGridPath(path, overrides.allowed)) return LoadGrid(path, overrides);
+  if (overrides.grid != GridOptions()) {
+    return Error{{path},
+                 "found no problem of paths for the options about agents and paths, expected .scen, .map, "
+                 ".pogema or a problem of the League (.json)"};
+  }
   if (IsBuildingPath(path) || IsLayoutPath(path, overrides.allowed)) return LoadBuilding(path, overrides);
   if (ending == ".world") return LoadStageWorld(path, overrides);
   if (ending == ".json") return LoadScenario(path, overrides);
@@ -56,7 +73,7 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
   return Error{{path},
                "found a file ending in " + Quoted(ending) +
                    ", expected .world (Stage), .json (scenario, LIF), .yaml (ROS map) or "
-                   ".building.yaml (Open-RMF)"};
+                   ".building.yaml (Open-RMF), .scen, .map or .pogema (cells)"};
 }
 
 std::string EndingOf(const std::string& path) {
@@ -72,7 +89,8 @@ bool IsFile(const std::string& source) {
 Result<ScenarioWorld> ReadDefinitions(const WorldSource& source, const LoadOverrides& overrides) {
   const std::string& path = source.path;
   if (source.scenario) return ReadScenarioWorldText(*source.scenario, path, overrides);
-  if (EndingOf(path) == ".json" && !IsLayoutPath(path, overrides.allowed)) return ReadScenarioWorld(path, overrides);
+  if (EndingOf(path) == ".json" && !IsLayoutPath(path, overrides.allowed) && !IsGridPath(path, overrides.allowed))
+    return ReadScenarioWorld(path, overrides);
   Result<WorldTree> tree =
       EndingOf(path) == ".inc" ? ParseStageWorld(path, overrides.allowed) : ReadWorldTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();

@@ -57,35 +57,43 @@ std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph)
 
 std::string NameOfLane(const WorldDescription& world, std::size_t number) {
   const NumberedLane lane = LaneOf(world, number);
-  return NameOfVertex(*lane.graph, (*lane).start) + " - " + NameOfVertex(*lane.graph, (*lane).end);
+  const WholeLane whole = WholeLaneOf(*lane.graph, lane.lane);
+  return NameOfVertex(*lane.graph, whole.start) + " - " + NameOfVertex(*lane.graph, whole.end);
 }
 
 std::optional<std::uint32_t> FindLane(const WorldDescription& world, const std::string& from, const std::string& to) {
-  std::uint32_t number = 0;
+  std::size_t first = 0;
   for (const LaneGraph& graph : world.lane_graphs) {
-    for (const Lane& lane : graph.lanes) {
+    for (const WholeLane& lane : WholeLanesOf(graph)) {
       const std::string start = NameOfVertex(graph, lane.start);
       const std::string end = NameOfVertex(graph, lane.end);
-      if ((start == from && end == to) || (start == to && end == from)) return number;
-      ++number;
+      if ((start == from && end == to) || (start == to && end == from)) {
+        return static_cast<std::uint32_t>(first + lane.parts.front());
+      }
     }
+    first += graph.lanes.size();
   }
   return std::nullopt;
 }
 
 std::vector<std::uint32_t> LanesOnLine(const WorldDescription& world, std::size_t number) {
   const NumberedLane lane = LaneOf(world, number);
+  const WholeLane line = WholeLaneOf(*lane.graph, lane.lane);
+  const LaneVertex& from = lane.graph->vertices[line.start];
+  const LaneVertex& to = lane.graph->vertices[line.end];
   std::vector<std::uint32_t> lanes;
-  std::uint32_t other = 0;
+  std::size_t first = 0;
   for (const LaneGraph& graph : world.lane_graphs) {
-    for (const Lane& each : graph.lanes) {
+    for (const WholeLane& each : WholeLanesOf(graph)) {
       const LaneVertex& start = graph.vertices[each.start];
       const LaneVertex& end = graph.vertices[each.end];
-      const bool is_same = AreAtOnePlace(start, lane.start()) && AreAtOnePlace(end, lane.end());
-      if (is_same || (AreAtOnePlace(start, lane.end()) && AreAtOnePlace(end, lane.start()))) lanes.push_back(other);
-      ++other;
+      const bool is_same = AreAtOnePlace(start, from) && AreAtOnePlace(end, to);
+      if (!is_same && !(AreAtOnePlace(start, to) && AreAtOnePlace(end, from))) continue;
+      for (const std::uint32_t part : each.parts) lanes.push_back(static_cast<std::uint32_t>(first + part));
     }
+    first += graph.lanes.size();
   }
+  std::sort(lanes.begin(), lanes.end());
   return lanes;
 }
 

@@ -27,12 +27,13 @@ NumberedLane LaneOf(const WorldDescription& world, std::size_t number);
 std::size_t FirstLaneOf(const WorldDescription& world, const LaneGraph& graph);
 std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph);
 
-// "dock - hall".
+// "dock - hall": of the lane of the site that it is a part of.
 std::string NameOfLane(const WorldDescription& world, std::size_t number);
-// The first lane between vertices of these names, in any direction.
+// The first part of the first lane of the site between vertices of these names, in any direction.
 std::optional<std::uint32_t> FindLane(const WorldDescription& world, const std::string& from, const std::string& to);
 
-// The lanes on the same line as this one, itself included: of all graphs and in both directions.
+// The lanes on the same line as the lane of the site that this one is a part of, its own parts included: of all graphs
+// and in both directions; ascending.
 std::vector<std::uint32_t> LanesOnLine(const WorldDescription& world, std::size_t number);
 
 // The lanes that no robot begins, ascending: those that are closed, and those on or through a keepout zone that is on.

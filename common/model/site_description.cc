@@ -56,9 +56,44 @@ std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex) {
   return name.empty() ? "vertex " + std::to_string(vertex) : name;
 }
 
+std::string NameOfLane(const LaneGraph& graph, const WholeLane& lane) {
+  return std::to_string(graph.number) + ": " + NameOfVertex(graph, lane.start) + " - " + NameOfVertex(graph, lane.end);
+}
+
 std::string NameOfLane(const LaneGraph& graph, std::size_t lane) {
-  return std::to_string(graph.number) + ": " + NameOfVertex(graph, graph.lanes[lane].start) + " - " +
-         NameOfVertex(graph, graph.lanes[lane].end);
+  return NameOfLane(graph, WholeLaneOf(graph, lane));
+}
+
+// Valid graphs lead on from each waiting point, and back to a vertex of the site; others are followed as far as it goes.
+std::vector<WholeLane> WholeLanesOf(const LaneGraph& graph) {
+  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> onward(graph.vertices.size(), kNone);  // by waiting point: the lane out of it
+  for (std::size_t i = 0; i < graph.lanes.size(); ++i) {
+    if (graph.vertices[graph.lanes[i].start].is_between) onward[graph.lanes[i].start] = i;
+  }
+  std::vector<WholeLane> lanes;
+  for (std::size_t i = 0; i < graph.lanes.size(); ++i) {
+    const Lane& lane = graph.lanes[i];
+    if (graph.vertices[lane.start].is_between) continue;
+    WholeLane& whole = lanes.emplace_back(WholeLane{lane.start, lane.end, {static_cast<std::uint32_t>(i)}});
+    while (graph.vertices[whole.end].is_between && onward[whole.end] != kNone &&
+           whole.parts.size() < graph.lanes.size()) {
+      whole.parts.push_back(static_cast<std::uint32_t>(onward[whole.end]));
+      whole.end = graph.lanes[whole.parts.back()].end;
+    }
+  }
+  return lanes;
+}
+
+WholeLane WholeLaneOf(const LaneGraph& graph, std::size_t lane) {
+  const auto number = static_cast<std::uint32_t>(lane);
+  const Lane& part = graph.lanes[lane];
+  const WholeLane alone{part.start, part.end, {number}};
+  if (!graph.vertices[part.start].is_between && !graph.vertices[part.end].is_between) return alone;
+  for (WholeLane& whole : WholeLanesOf(graph)) {
+    if (std::find(whole.parts.begin(), whole.parts.end(), number) != whole.parts.end()) return std::move(whole);
+  }
+  return alone;
 }
 
 std::optional<NearVertex> FindNearestVertex(const LaneGraph& graph, const Vec2& point, double z, double per_height) {

@@ -32,6 +32,27 @@ Error ProblemOf(const LaneGraph& graph, const std::string& part, std::size_t ind
   return {{}, "lanes " + std::to_string(graph.number) + ": " + part + " " + std::to_string(index) + ": " + problem};
 }
 
+// One lane leads to a waiting point, and one on from it to another vertex; no ring is of waiting points alone.
+std::optional<std::size_t> FindBadWaitingPoint(const LaneGraph& graph) {
+  std::vector<std::size_t> in(graph.vertices.size(), 0);
+  std::vector<std::size_t> out(graph.vertices.size(), 0);
+  for (const Lane& lane : graph.lanes) {
+    ++out[lane.start];
+    ++in[lane.end];
+  }
+  for (std::size_t i = 0; i < graph.vertices.size(); ++i) {
+    if (graph.vertices[i].is_between && (in[i] != 1 || out[i] != 1)) return i;
+  }
+  std::vector<bool> is_part(graph.lanes.size(), false);
+  for (const WholeLane& lane : WholeLanesOf(graph)) {
+    for (const std::uint32_t part : lane.parts) is_part[part] = true;
+  }
+  for (std::size_t i = 0; i < graph.lanes.size(); ++i) {
+    if (!is_part[i]) return graph.lanes[i].start;
+  }
+  return std::nullopt;
+}
+
 Status CheckGraph(const WorldDescription& world, const LaneGraph& graph) {
   for (std::size_t i = 0; i < graph.vertices.size(); ++i) {
     const std::string problem = CheckVertex(world, graph.vertices[i]);
@@ -40,6 +61,9 @@ Status CheckGraph(const WorldDescription& world, const LaneGraph& graph) {
   for (std::size_t i = 0; i < graph.lanes.size(); ++i) {
     const std::string problem = CheckLane(world, graph, graph.lanes[i]);
     if (!problem.empty()) return ProblemOf(graph, "lane", i, problem);
+  }
+  if (const std::optional<std::size_t> point = FindBadWaitingPoint(graph)) {
+    return ProblemOf(graph, "vertex", *point, "it is between, but not on one lane");
   }
   return Status();
 }
@@ -72,6 +96,32 @@ std::string CheckAction(const WorldDescription& world, const TimedAction& action
   return "its kind is unknown";
 }
 
+// Vertices in the order of a path have lanes between them, and steps ascend.
+std::string CheckTrip(const LaneTrip& trip, std::size_t vertices) {
+  const auto has_vertex = [&](std::uint32_t vertex) { return vertex < vertices; };
+  if (!std::all_of(trip.goals.begin(), trip.goals.end(), has_vertex)) return "a goal of it does not exist";
+  if (!std::all_of(trip.path.begin(), trip.path.end(), has_vertex)) return "a vertex of its path does not exist";
+  if (trip.steps.size() != trip.path.size()) return "its path has not a step for each vertex";
+  for (std::size_t i = 0; i < trip.steps.size(); ++i) {
+    if (i == 0 ? trip.steps[0] != 0 : trip.steps[i] <= trip.steps[i - 1]) return "its steps do not ascend from 0";
+    if (i > 0 && trip.path[i] == trip.path[i - 1]) return "its path has a vertex twice, one after the other";
+  }
+  return {};
+}
+
+Status CheckTrips(const WorldDescription& world) {
+  std::size_t vertices = 0;
+  for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
+  for (std::size_t i = 0; i < world.lane_trips.size(); ++i) {
+    std::string problem = CheckTrip(world.lane_trips[i], vertices);
+    if (problem.empty() && i > 0 && !(world.lane_trips[i - 1].robot < world.lane_trips[i].robot)) {
+      problem = "its robot is not after that of the trip before";
+    }
+    if (!problem.empty()) return Error{{}, "trip " + std::to_string(i) + ": " + problem};
+  }
+  return Status();
+}
+
 }  // namespace
 
 Status ValidateSite(const WorldDescription& world) {
@@ -100,7 +150,7 @@ Status ValidateSite(const WorldDescription& world) {
     if (!problem.empty()) return Error{{}, "timed action " + std::to_string(i) + ": " + problem};
     last = action.at;
   }
-  return Status();
+  return CheckTrips(world);
 }
 
 }  // namespace troupe

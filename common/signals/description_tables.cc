@@ -48,13 +48,13 @@ StateTable MakeLevels() {
 const LaneGraph& GraphOf(const SignalView& view, std::size_t row) {
   return view.world.lane_graphs[view.things.lanes()[row].graph];
 }
-const Lane& LaneOf(const SignalView& view, std::size_t row) {
-  return GraphOf(view, row).lanes[view.things.lanes()[row].lane];
+const WholeLane& LaneOf(const SignalView& view, std::size_t row) {
+  return view.things.lanes()[row].lane;
 }
 
 bool IsOnLane(const SignalView& view, std::size_t row, const Pose& X_WB) {
   const LaneGraph& graph = GraphOf(view, row);
-  const Lane& lane = LaneOf(view, row);
+  const WholeLane& lane = LaneOf(view, row);
   const LaneVertex& start = graph.vertices[lane.start];
   const Vec2 way = graph.Way(lane.start, lane.end);
   const Vec2 to = X_WB.translation() - start.position;
@@ -70,23 +70,34 @@ StateTable MakeLanes() {
   StateTable table{"lanes", "lane"};
   table.rows = [](const WorldDescription& world, const WorldState&) {
     std::size_t rows = 0;
-    for (const LaneGraph& graph : world.lane_graphs) rows += graph.lanes.size();
+    for (const LaneGraph& graph : world.lane_graphs) {
+      // Each waiting point makes one lane two.
+      rows += graph.lanes.size() -
+              static_cast<std::size_t>(std::count_if(graph.vertices.begin(), graph.vertices.end(),
+                                                     [](const LaneVertex& vertex) { return vertex.is_between; }));
+    }
     return rows;
   };
   table.AddNumber("length", "m", "from its start to its end", [](const SignalView& view, std::size_t row) {
-    const Lane& lane = LaneOf(view, row);
+    const WholeLane& lane = LaneOf(view, row);
     return GraphOf(view, row).Way(lane.start, lane.end).norm();
   });
   AddCounts(table, "number of them on its level with the origin within 0.5 m of its line", IsOnLane);
   table.AddTruth("open", "all doors that it passes are as far open as they can be",
                  [](const SignalView& view, std::size_t row) {
-                   const std::vector<LaneDoor>& doors = LaneOf(view, row).doors;
-                   return std::all_of(doors.begin(), doors.end(),
-                                      [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; });
+                   const auto is_open = [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; };
+                   const std::vector<std::uint32_t>& parts = LaneOf(view, row).parts;
+                   return std::all_of(parts.begin(), parts.end(), [&](std::uint32_t part) {
+                     const std::vector<LaneDoor>& doors = GraphOf(view, row).lanes[part].doors;
+                     return std::all_of(doors.begin(), doors.end(), is_open);
+                   });
                  });
   table.AddTruth("barred", "an operator has closed it, or a keepout zone that is on is on it",
                  [](const SignalView& view, std::size_t row) {
-                   return IsLaneClosed(view.world, view.state, static_cast<std::uint32_t>(row));
+                   const LaneRow& lane = view.things.lanes()[row];
+                   return std::any_of(lane.lane.parts.begin(), lane.lane.parts.end(), [&](std::uint32_t part) {
+                     return IsLaneClosed(view.world, view.state, static_cast<std::uint32_t>(lane.first + part));
+                   });
                  });
   AddWaitSignals(table);
   return table;
@@ -140,8 +151,10 @@ std::size_t LevelNumberAt(std::span<const LevelDescription> levels, double z) {
 
 std::vector<LaneRow> FindLanes(const WorldDescription& world) {
   std::vector<LaneRow> lanes;
+  std::size_t first = 0;
   for (std::size_t graph = 0; graph < world.lane_graphs.size(); ++graph) {
-    for (std::size_t lane = 0; lane < world.lane_graphs[graph].lanes.size(); ++lane) lanes.push_back({graph, lane});
+    for (WholeLane& lane : WholeLanesOf(world.lane_graphs[graph])) lanes.push_back({graph, first, std::move(lane)});
+    first += world.lane_graphs[graph].lanes.size();
   }
   return lanes;
 }

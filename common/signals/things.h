@@ -21,12 +21,13 @@ namespace troupe {
 
 using ThingId = std::uint32_t;
 
-// A lane, by the places in WorldDescription::lane_graphs and LaneGraph::lanes.
+// A lane of the site.
 struct LaneRow {
-  std::size_t graph = 0;
-  std::size_t lane = 0;
+  std::size_t graph = 0;  // in WorldDescription::lane_graphs
+  std::size_t first = 0;  // the number of the first lane of the graph, through all graphs
+  WholeLane lane = {};
 };
-// The lanes of all graphs and the sensors of all robots, in the orders of their tables.
+// The lanes of the site of all graphs and the sensors of all robots, in the orders of their tables.
 std::vector<LaneRow> FindLanes(const WorldDescription& world);
 std::vector<SensorPlace> FindSensors(const WorldDescription& world);
 

@@ -26,6 +26,12 @@ std::string NameOfPlace(const WorldDescription& world, int kind, std::size_t num
   return lane ? NameOfLane(world.lane_graphs[lane->graph], lane->number) : "";
 }
 
+std::size_t FirstPartOf(const WorldDescription& world, std::size_t number) {
+  const std::optional<GraphPlace> lane = FindLane(world.lane_graphs, number);
+  if (!lane) return number;
+  return number - lane->number + WholeLaneOf(world.lane_graphs[lane->graph], lane->number).parts.front();
+}
+
 }  // namespace
 
 void TrafficTotals::Add(const WorldDescription& world, const WorldState& state) {
@@ -99,7 +105,15 @@ TrafficTotal TrafficTotals::total() const {
 }
 
 std::vector<PlaceWaits> TrafficTotals::FindWaits(const WorldDescription& world, std::size_t most_of_kind) const {
-  std::vector<std::pair<Place, Waits>> rows(waits_.begin(), waits_.end());
+  // Those at the parts of a lane of the site are at its first part.
+  std::map<Place, Waits> sums;
+  for (const auto& [place, waits] : waits_) {
+    Waits& sum = sums[place.kind == kLane ? Place{kLane, FirstPartOf(world, place.number)} : place];
+    sum.ticks += waits.ticks;
+    sum.count += waits.count;
+    sum.longest = std::max(sum.longest, waits.longest);
+  }
+  std::vector<std::pair<Place, Waits>> rows(sums.begin(), sums.end());
   // Equal ones stay in the order of their numbers.
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
     return a.first.kind != b.first.kind ? a.first.kind < b.first.kind : a.second.ticks > b.second.ticks;

@@ -87,10 +87,13 @@ void AddWaitSignals(StateTable& table) {
                   return wait.thing == view.world.lifts[row].model;
                 });
   }
-  // Rows of the table are counted as the lanes of the traffic.
   if (table.name == "lanes") {
     AddOfPlaces(table, "robots that cannot go on along it or into it", "the longest wait of these robots",
-                [](const SignalView&, std::size_t row, const RobotWait& wait) { return wait.lane == row; });
+                [](const SignalView& view, std::size_t row, const RobotWait& wait) {
+                  const LaneRow& lane = view.things.lanes()[row];
+                  return wait.lane && std::any_of(lane.lane.parts.begin(), lane.lane.parts.end(),
+                                                  [&](std::uint32_t part) { return lane.first + part == *wait.lane; });
+                });
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/model/states.h"
 #include "common/spatial/walk_routes.h"
+#include "common/traffic/path_schedule.h"
 #include "common/traffic/traffic_routes.h"
 
 namespace troupe {
@@ -20,10 +21,16 @@ struct TrafficRoutesStore {
   std::vector<std::unique_ptr<TrafficRoutes>> free;
 };
 
+struct LazyPathSchedule {
+  std::once_flag made;
+  std::unique_ptr<const PathSchedule> schedule;
+};
+
 Scene::Scene(Shared<WorldDescription> description)
     : world_(std::move(description)),
       walk_routes_(std::make_shared<LazyWalkRoutes>()),
-      traffic_routes_(std::make_shared<TrafficRoutesStore>()) {
+      traffic_routes_(std::make_shared<TrafficRoutesStore>()),
+      path_schedule_(std::make_shared<LazyPathSchedule>()) {
   FindBodies();
   FindStoresOfModels();
   imus_ = FindImus(world());
@@ -69,6 +76,17 @@ const WalkRoutes& Scene::walk_routes() const {
   // People decide in several threads: the first one makes the routes, the others wait.
   std::call_once(walk_routes_->made, [this] { walk_routes_->routes = std::make_unique<const WalkRoutes>(*this); });
   return *walk_routes_->routes;
+}
+
+const PathSchedule& Scene::path_schedule() const {
+  std::call_once(path_schedule_->made, [this] {
+    std::vector<LaneTrip> trips = world().lane_trips;
+    for (LaneTrip& trip : trips) {
+      if (!RobotExists(world(), trip.robot)) trip.path.clear();  // the others do not wait for it
+    }
+    path_schedule_->schedule = std::make_unique<const PathSchedule>(trips);
+  });
+  return *path_schedule_->schedule;
 }
 
 void Scene::FindBodies() {

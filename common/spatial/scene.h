@@ -48,8 +48,10 @@ struct Body {
 
 class WalkRoutes;
 struct LazyWalkRoutes;
+class PathSchedule;
 class TrafficRoutes;
 struct TrafficRoutesStore;
+struct LazyPathSchedule;
 
 // A store of energy, with the models that it feeds.
 struct Store {
@@ -136,6 +138,9 @@ class Scene {
   // take part in the traffic.
   std::shared_ptr<TrafficRoutes> TrafficRoutesFor(const std::vector<double>& radii) const;
 
+  // The order of the moves on the paths of the world's trips. Made by the first call, by any thread.
+  const PathSchedule& path_schedule() const;
+
   // The largest of all bodies' radii, m.
   double max_body_radius() const { return max_body_radius_; }
 
@@ -170,6 +175,7 @@ class Scene {
   double max_body_radius_ = 0.0;
   std::shared_ptr<LazyWalkRoutes> walk_routes_;
   std::shared_ptr<TrafficRoutesStore> traffic_routes_;
+  std::shared_ptr<LazyPathSchedule> path_schedule_;
 };
 
 // The world of a scene, without a copy: it lives as long as one of both.

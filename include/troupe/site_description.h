@@ -11,6 +11,7 @@
 
 #include "troupe/enum_names.h"
 #include "troupe/fields.h"
+#include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/vec2.h"
 
@@ -42,6 +43,7 @@ struct LaneVertex {
   std::string mutex;
   std::optional<std::uint32_t> lift = {};
   std::uint32_t floor = 0;
+  bool is_between = false;
   bool operator==(const LaneVertex&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -54,6 +56,7 @@ struct LaneVertex {
         Field{"mutex", &LaneVertex::mutex, "a group of vertices and lanes for one robot at a time; empty: none"},
         Field{"lift", &LaneVertex::lift, "around the vertex, in WorldDescription::lifts"},
         Field{"floor", &LaneVertex::floor, "of the lift, in LiftDescription::floors"},
+        Field{"between", &LaneVertex::is_between, "a waiting point on a lane of the site, which leads on (WholeLane)"},
     };
   }
 };
@@ -117,6 +120,24 @@ struct LaneGraph {
         Field{"number", &LaneGraph::number, "by which robots name it"},
         Field{"vertices", &LaneGraph::vertices},
         Field{"lanes", &LaneGraph::lanes},
+    };
+  }
+};
+
+// What a robot of a problem of multi-agent paths has to do, and its path, if one is given: vertices one after another,
+// each by a step of the plan. Vertices are counted through all graphs of the world, in their order.
+struct LaneTrip {
+  RobotId robot;
+  std::vector<std::uint32_t> goals;
+  std::vector<std::uint32_t> path;
+  std::vector<std::uint32_t> steps;
+  bool operator==(const LaneTrip&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &LaneTrip::robot},
+        Field{"goals", &LaneTrip::goals, "vertices that are to be visited in this order; it stays at the last one"},
+        Field{"path", &LaneTrip::path, "vertices along lanes, its start first; none: planned traffic finds it"},
+        Field{"steps", &LaneTrip::steps, "of the plan, at which it is at each vertex of the path; ascending from 0"},
     };
   }
 };
@@ -217,9 +238,21 @@ struct GraphPlace {
 // Nothing for a number beyond the last one; rides of lifts are counted behind the lanes.
 std::optional<GraphPlace> FindVertex(std::span<const LaneGraph> graphs, std::size_t vertex);
 std::optional<GraphPlace> FindLane(std::span<const LaneGraph> graphs, std::size_t lane);
-// "dock", or "vertex 3" of one without a name; of a lane "GRAPH: START - END".
+// A lane of the site: from vertex to vertex, in parts if it has waiting points.
+struct WholeLane {
+  std::uint32_t start = 0;
+  std::uint32_t end = 0;
+  std::vector<std::uint32_t> parts;  // lanes of the graph, from the start on
+};
+// In the order of their first parts.
+std::vector<WholeLane> WholeLanesOf(const LaneGraph& graph);
+// The one that a lane of the graph is a part of.
+WholeLane WholeLaneOf(const LaneGraph& graph, std::size_t lane);
+
+// "dock", or "vertex 3" of one without a name; of a lane of the site "GRAPH: START - END".
 std::string NameOfVertex(const LaneGraph& graph, std::size_t vertex);
-std::string NameOfLane(const LaneGraph& graph, std::size_t lane);
+std::string NameOfLane(const LaneGraph& graph, const WholeLane& lane);
+std::string NameOfLane(const LaneGraph& graph, std::size_t lane);  // that it is a part of
 
 // The vertex nearest to a point, by the distance in the plane and `per_height` m for each m of height between them; of
 // several the first. Nothing if the graph has no vertex.

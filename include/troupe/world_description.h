@@ -449,6 +449,7 @@ struct WorldDescription {
   std::vector<ZoneDescription> zones = {};
   std::vector<GoodsFlow> flows = {};
   std::vector<TimedAction> timed_actions = {};
+  std::vector<LaneTrip> lane_trips = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
@@ -481,6 +482,7 @@ struct WorldDescription {
         Field{"zones", &WorldDescription::zones},
         Field{"flows", &WorldDescription::flows},
         Field{"timed_actions", &WorldDescription::timed_actions, "ascending by their times"},
+        Field{"lane_trips", &WorldDescription::lane_trips, "of robots, ascending"},
     };
   }
 };

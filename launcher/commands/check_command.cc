@@ -19,6 +19,7 @@
 #include "robot-agent/controller/create_controller.h"
 #include "testing/cases/case_run.h"
 #include "testing/cases/test_file.h"
+#include "world-service/program/grid_flags.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/site.h"
 #include "worldfile/text/text_file.h"
@@ -145,6 +146,28 @@ std::string DescribeSite(const LoadedWorld& loaded) {
   return text;
 }
 
+// The lanes of a map of cells, and the agents of its problem; nothing for other worlds.
+std::string DescribeGrid(const LoadedWorld& loaded) {
+  if (loaded.site != nullptr || loaded.world.lane_graphs.empty()) return "";
+  const LaneGraph& graph = loaded.world.lane_graphs.front();
+  std::string text =
+      fmt::format("cells: {} free, {} between them\n", graph.vertices.size(), CountText(graph.lanes.size(), "lane"));
+  const std::vector<LaneTrip>& trips = loaded.world.lane_trips;
+  if (trips.empty()) return text;
+  std::size_t goals = 0;
+  std::size_t moves = 0;
+  std::uint32_t steps = 0;
+  for (const LaneTrip& trip : trips) {
+    goals += trip.goals.size();
+    moves += trip.path.empty() ? 0 : trip.path.size() - 1;
+    steps = std::max(steps, trip.steps.empty() ? 0U : trip.steps.back());
+  }
+  text += fmt::format("agents: {}, {}", trips.size(), CountText(goals, "goal"));
+  if (!trips.front().path.empty())
+    text += fmt::format(", paths of {} in {}", CountText(moves, "move"), CountText(steps, "step"));
+  return text + "\n";
+}
+
 // Models, robots, objects and settings.
 std::string DescribeContent(const LoadedWorld& loaded) {
   const WorldDescription& world = loaded.world;
@@ -247,13 +270,14 @@ int CheckTest(const std::string& file) {
   return kExitDone;
 }
 
-int CheckCommand(const std::string& file) {
+int CheckCommand(const std::string& file, const GridOptions& grid) {
   if (IsRecordingPath(file)) return CheckRecording(file);
   if (IsTest(file)) return CheckTest(file);
   if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
   LoadOverrides overrides;
   overrides.check_controller = CheckController;  // also of what a scenario adds to a world
   overrides.check_in_world = CheckControllerNeeds;
+  overrides.grid = grid;
   const Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return Fail(loaded.error());
   fmt::print("{}", DescribeWorld(loaded.value()));
@@ -267,6 +291,7 @@ std::string DescribeWorld(const LoadedWorld& loaded) {
   text += loaded.map_width == 0 ? std::string("map: none\n")
                                 : fmt::format("map: {} x {} pixels\n", loaded.map_width, loaded.map_height);
   text += DescribeSite(loaded);
+  text += DescribeGrid(loaded);
   text += DescribeContent(loaded);
   text += fmt::format("warnings: {}\n", loaded.warnings.size());
   for (const Warning& warning : loaded.warnings) text += "  " + warning.ToString() + "\n";
@@ -276,8 +301,10 @@ std::string DescribeWorld(const LoadedWorld& loaded) {
 void AddCheckCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("check", "Load a world and describe it, without running it");
   const auto file = std::make_shared<std::string>();
+  const auto grid = std::make_shared<GridOptions>();
   AddWorldFile(*command, *file);
-  command->final_callback([file, &exit_status] { exit_status = CheckCommand(*file); });
+  AddGridFlags(*command, *grid);
+  command->final_callback([file, grid, &exit_status] { exit_status = CheckCommand(*file, *grid); });
 }
 
 Status CheckControllers(const std::string& file, const std::optional<std::string>& controller) {

@@ -40,7 +40,8 @@ struct ExportReport {
 };
 
 // Another format is one more RunExport (launcher/export/run_export.h).
-Result<std::unique_ptr<RunExport>> MakeExport(const ExportArguments& arguments) {
+Result<std::unique_ptr<RunExport>> MakeExport(const ExportArguments& arguments, const Recording& recording) {
+  if (arguments.format == "league") return MakeLeagueExport(arguments.output, recording.run().file);
   if (arguments.format == "foxglove") return MakeFoxgloveExport(arguments.output);
   if (arguments.format == "ros2") return MakeRos2Export(arguments.output);
   return MakeCsvExport(arguments.output);
@@ -92,7 +93,7 @@ int ExportCommand(const ExportArguments& arguments) {
   if (const Status problem = CheckOutputs(arguments); !problem.ok()) return Fail(problem.error());
   const Result<Recording> recording = OpenToReplay(arguments.file);
   if (!recording.ok()) return Fail(recording.error());
-  Result<std::unique_ptr<RunExport>> target = MakeExport(arguments);
+  Result<std::unique_ptr<RunExport>> target = MakeExport(arguments, recording.value());
   if (!target.ok()) return Fail(target.error());
   ExportReport report;
   const Status added = AddStates(recording.value(), arguments, *target.value(), report);
@@ -111,7 +112,8 @@ int ExportCommand(const ExportArguments& arguments) {
 }  // namespace
 
 void AddExportCommand(CLI::App& app, int& exit_status) {
-  CLI::App* command = app.add_subcommand("export", "Write a recording for other programs: Foxglove, ROS 2, tables");
+  CLI::App* command =
+      app.add_subcommand("export", "Write a recording for other programs: Foxglove, ROS 2, tables, the League");
   const auto arguments = std::make_shared<ExportArguments>();  // lives as long as the command
   command->add_option("FILE", arguments->file, "A recording of 'troupe run --record FILE.mcap'")
       ->required()
@@ -120,9 +122,9 @@ void AddExportCommand(CLI::App& app, int& exit_status) {
   command
       ->add_option("--format", arguments->format,
                    "foxglove: an MCAP file for Foxglove, Lichtblick and Rerun; ros2: a bag for 'ros2 bag'; csv: tables "
-                   "for pandas")
+                   "for pandas; league: the outcome of a problem of paths as JSON of the League of Robot Runners")
       ->required()
-      ->check(OneOf({"foxglove", "ros2", "csv"}))
+      ->check(OneOf({"foxglove", "ros2", "csv", "league"}))
       ->type_name("FORMAT");
   command
       ->add_option(

@@ -20,6 +20,8 @@
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
 #include "launcher/commands/shown_expectations.h"
+#include "launcher/commands/temporary_folder.h"
+#include "launcher/process/filter.h"
 #include "launcher/supervise/output_files.h"
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_options.h"
@@ -172,8 +174,39 @@ class InProcessViewer final : public RunObserver, private RunLink {
   std::unique_ptr<ViewerGateway> gateway_;
 };
 
+// Has the paths of a problem planned by the command of --planner, before anything else reads it. `folder`: of their
+// file, if the user names none.
+Status PlanPaths(RunOptions& options, const TemporaryFolder& folder) {
+  GridOptions& grid = options.load.grid;
+  const std::string file = grid.paths.empty() ? folder.path() + "/planned.paths" : grid.paths;
+  grid.paths.clear();
+  if (!IsGridPath(options.file)) {
+    return Error{{options.file},
+                 "found no problem of paths for --planner, expected .scen, .pogema or a problem of the "
+                 "League (.json)"};
+  }
+  const Result<GridProblem> problem = ReadGridProblem(options.file, grid);
+  if (!problem.ok()) return problem.error();
+  SignalWatch signals;
+  const Result<std::string> paths = RunFilter(options.planner, ProblemJson(problem.value()) + "\n", signals);
+  if (!paths.ok()) return paths.error();
+  if (Status status = WriteWholeFile(file, paths.value()); !status.ok()) return status;
+  grid.paths = file;
+  // The command is to blame, and the file may be gone when the user looks.
+  const Result<GridProblem> planned = ReadGridProblem(options.file, grid);
+  if (planned.ok()) return Status();
+  Error error = planned.error();
+  error.message += " (in the output of --planner)";
+  return error;
+}
+
 // All checks come before any process starts: a bad command line costs no time and leaves no file.
 int RunCommand(RunOptions options, const std::vector<std::string>& ros_options) {
+  std::optional<TemporaryFolder> folder;
+  if (!options.planner.empty()) {
+    const Status planned = PlanPaths(options, folder.emplace());
+    if (!planned.ok()) return Fail(planned.error());
+  }
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {

@@ -43,6 +43,10 @@ Result<std::unique_ptr<RunExport>> MakeCsvExport(const std::string& path);
 // The files that it writes.
 std::vector<std::string> FilesOfCsvExport(const std::string& path);
 
+// For the League of Robot Runners: its JSON of the outcome of a run on a map of cells. `problem`: the file of the run,
+// which has the tasks, if it is there.
+Result<std::unique_ptr<RunExport>> MakeLeagueExport(const std::string& file, const std::string& problem);
+
 // RunReadings: the readings of all sensors of a run that are due at a state.
 // Suites of sensors are made per robot when first needed, and all again in another world.
 class RunReadings {

@@ -90,6 +90,8 @@ RunSummary ReadEnd(const JsonReader& json) {
   json.Read("totals_since", summary.totals_since);
   json.Read("flows", summary.flows);
   json.Read("cleaning", summary.cleaning);
+  const std::optional<JsonReader> trips = json.Find("trips");
+  if (trips && trips->node().is_object()) trips->To(summary.trips.emplace());
   return summary;
 }
 
@@ -349,6 +351,15 @@ std::string TrafficText(const RunSummary& run) {
   return text;
 }
 
+// The outcome of a problem of paths.
+std::string TripsText(const TripSummary& trips) {
+  const std::string arrived = trips.arrived == trips.robots
+                                  ? CountText(trips.robots, "robot") + " arrived"
+                                  : fmt::format("{} of {} arrived", trips.arrived, CountText(trips.robots, "robot"));
+  return fmt::format("{}, {} visited, makespan {:.1f} s, flow time {:.1f} s, {:.2f} goals a second\n", arrived,
+                     CountText(trips.goals, "goal"), trips.makespan, trips.flow_time, trips.throughput);
+}
+
 // What only those want to know who look after the processes.
 std::string ProcessesText(const RunOutcome& outcome) {
   const RunSummary& run = outcome.run;
@@ -397,6 +408,7 @@ std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& opt
                       run.sim_seconds, run.wall_seconds, run.real_time_factor);
   text += fmt::format("{}, {}, state hash {}\n", CountText(run.robots, "robot"), CountText(run.stalls, "stall"),
                       HashText(run.state_hash));
+  if (run.trips) text += TripsText(*run.trips);
   text += RobotsText(run, options.has_styles);
   text += SiteText(run);
   text += TrafficText(run);
@@ -435,6 +447,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
   for (const CleaningTotal& zone : run.cleaning) cleaning.push_back(FieldsToJson<nlohmann::ordered_json>(zone));
   nlohmann::ordered_json waits = nlohmann::ordered_json::array();
   for (const PlaceWaits& place : run.waits) waits.push_back(FieldsToJson<nlohmann::ordered_json>(place));
+  const nlohmann::ordered_json trips = run.trips ? FieldsToJson<nlohmann::ordered_json>(*run.trips) : nullptr;
   nlohmann::ordered_json json = {
       {"ticks", run.ticks},
       {"sim_seconds", run.sim_seconds},
@@ -458,6 +471,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"cleaning", std::move(cleaning)},
       {"traffic", FieldsToJson<nlohmann::ordered_json>(run.traffic)},
       {"waits", std::move(waits)},
+      {"trips", trips},
       {"lost", run.lost},
       {"frozen", run.frozen},
       {"missing_files", outcome.missing_files},

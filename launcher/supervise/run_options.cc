@@ -13,6 +13,7 @@
 #include "robot-agent/agent/agent_host.h"
 #include "ros/flags/ros_flags.h"
 #include "ros/link/host_program.h"
+#include "world-service/program/grid_flags.h"
 #include "worldfile/scenario/scenario.h"
 
 namespace troupe {
@@ -150,6 +151,14 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   const char* simulation = "Simulation";
   AddRunFlags(command, options.run, simulation);
   AddSeedFlag(command, options.load.seed, simulation);
+  AddGridFlags(command, options.load.grid, simulation);
+  command
+      .add_option("--planner", options.planner,
+                  "With a problem of paths: a shell command that reads the problem (JSON) and writes the paths, which "
+                  "go to the file of --paths, if it is given")
+      ->check(NotEmpty())
+      ->type_name("COMMAND")
+      ->group(simulation);
   AddBranchFlags(command, options.branch, simulation);
   AddPausedFlag(command, options.paused, simulation);
 
@@ -232,6 +241,7 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   if (!options.file.empty()) arguments.push_back(options.file);
   Append(arguments, RunArguments(options.run));
   if (options.load.seed) Append(arguments, "--seed", std::to_string(*options.load.seed));
+  Append(arguments, GridArguments(options.load.grid));
   if (options.load.controller) Append(arguments, "--controller", *options.load.controller);
   for (const std::string& controller : options.branch.controllers) Append(arguments, "--controller", controller);
   if (options.branch.from_tick) Append(arguments, "--from-tick", std::to_string(*options.branch.from_tick));

@@ -27,9 +27,10 @@ namespace troupe {
 struct RunOptions {
   // A world, a scenario or a recording to be continued.
   std::string file;
-  RunOverrides run;    // of the scenario's settings
-  LoadOverrides load;  // of its seed and controllers
-  BranchFlags branch;  // of a recording
+  RunOverrides run;     // of the scenario's settings
+  LoadOverrides load;   // of its seed, controllers and problem of paths
+  std::string planner;  // a command that plans the paths of a problem; empty: none
+  BranchFlags branch;   // of a recording
   OwnerPermissions permissions;
 
   bool in_process = false;

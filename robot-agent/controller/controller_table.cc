@@ -108,11 +108,16 @@ constexpr ParameterHelp kLanesParameters[] = {
     {"dock_speed", "number", "m/s", "0.2", 0.01, 100.0, "On the last metre to a place with a dock"},
     {"turn_rate", "number", "rad/s", "0.8", 0.01, 100.0, "When it turns"},
     {"tolerance", "number", "m", "0.1", 0.02, 1.0, "A vertex within it is reached"},
+    {"gap", "number", "m", "0.3", 0.02, 10.0, "That it keeps to robots and things ahead"},
     {"charge_below", "number", "", "0.3", 0.0, 1.0,
      "Of the store's capacity: below it the robot drives to the nearest charger"},
     kChargeToHelp,
     {"close_doors", "flag", "", "true", 0.0, 0.0, "Close doors behind it"},
     {"planned", "flag", "", "true", 0.0, 0.0, "Take part in the planned traffic of the lanes"},
+    {"keep_place", "flag", "", "false", 0.0, 0.0, "Without repeat: go back to the last place after making room"},
+    {"delay_probability", "number", "", "0", 0.0, 1.0, "In the planned traffic: to stand for a while before a move"},
+    {"delay_min", "number", "s", "1", 0.0, 1e6, "The shortest of these delays"},
+    {"delay_max", "number", "s", "5", 0.0, 1e6, "The longest of these delays"},
     {"graph", "number", "", "", 0.0, 1e6, "The number of a graph of lanes; without it that nearest to its start"}};
 constexpr ParameterHelp kLaserNoiseParameters[] = {
     {"samples", "number", "", "100", 2.0, 1e6, "Readings for each report"}};

@@ -20,6 +20,7 @@ Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   reader.Read("close_doors", settings.close_doors);
   reader.Read("planned", settings.planned);
   reader.Read("goods", settings.goods);
+  reader.Read("keep_place", settings.keep_place);
   const auto read = [&](const char* key, double& value, double least, double most) {
     value = reader.Number(key, least, most).value_or(value);
   };
@@ -28,8 +29,13 @@ Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   read("dock_speed", settings.dock_speed, 0.01, 100.0);
   read("turn_rate", settings.turn_rate, 0.01, 100.0);
   read("tolerance", settings.tolerance, 0.02, 1.0);
+  read("gap", settings.gap, 0.02, 10.0);
   read("charge_below", settings.charge_below, 0.0, 1.0);
   read("charge_to", settings.charge_to, 0.0, 1.0);
+  read("delay_probability", settings.delay_probability, 0.0, 1.0);
+  read("delay_min", settings.delay_min, 0.0, 1e6);
+  read("delay_max", settings.delay_max, 0.0, 1e6);
+  if (settings.delay_max < settings.delay_min) reader.FailWith("'delay_max' is below 'delay_min'");
   if (settings.charge_to < settings.charge_below) reader.FailWith("'charge_to' is below 'charge_below'");
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return settings;

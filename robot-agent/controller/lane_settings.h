@@ -26,9 +26,15 @@ struct LaneSettings {
   double tolerance = 0.1;   // m
   double charge_below = 0.3;
   double charge_to = 0.95;
+  double gap = 0.3;         // m: it keeps it to robots and things ahead
   bool close_doors = true;  // behind it
   bool planned = true;      // it takes part in the planned traffic of the lanes
   bool goods = false;       // it brings the goods of flows
+  bool keep_place = false;  // it goes back to its last place
+  // Before each move of the planned traffic, with this probability, it stands for s between these bounds.
+  double delay_probability = 0.0;
+  double delay_min = 1.0;  // s
+  double delay_max = 5.0;  // s
 
   static constexpr double kMaxSpeed = 1.0;  // m/s, without `speed`
 };

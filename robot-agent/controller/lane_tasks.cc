@@ -39,6 +39,7 @@ LaneTasks::LaneTasks(const LaneSettings& settings, const LaneGraph& graph, doubl
       turn_rate_(settings.turn_rate),
       wait_(settings.wait),
       repeat_(settings.repeat),
+      keep_place_(settings.keep_place),
       charging_(settings, graph, speed) {
   if (settings.goods) goods_.emplace(graph);
   for (const std::string& place : settings.places) stops_.push_back(*graph_->Find(place));
@@ -52,6 +53,8 @@ void LaneTasks::Watch(const WorldDescription& world, const WorldState& state, Ro
 
 void LaneTasks::Update(const Observation& observation, std::size_t at, const std::vector<std::size_t>& barred) {
   ReadGoal(observation);
+  const bool has_visited = !stops_.empty() && next_stop_ == stops_.size();
+  if (keep_place_ && has_visited && at != stops_.back()) home_ = stops_.back();
   charging_.Update(observation, at, barred);
 }
 

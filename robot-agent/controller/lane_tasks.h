@@ -60,6 +60,7 @@ class LaneTasks {
   double turn_rate_;
   double wait_;  // s, at each stop
   bool repeat_;
+  bool keep_place_;
   std::vector<std::size_t> stops_;
   std::size_t next_stop_ = 0;
   std::optional<std::uint32_t> goal_;  // the user's

@@ -40,7 +40,6 @@ constexpr double kTurnFirst = 0.35;      // rad: it turns on the spot to a point
 constexpr double kStraightOn = 0.955;    // cosine of the turn between two lanes that it passes without braking
 constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
-constexpr double kGap = 0.3;             // m: behind another robot
 constexpr double kPersonGap = 0.05;      // m: people step aside for a robot that comes near
 constexpr double kSeeAhead = 4.0;        // m
 constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destination out to which no lanes lead
@@ -332,6 +331,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const Leg leg = legs_.front();
     if (!leg.lane && leg.from != leg.to) return Ride(leg);
     if (!is_on_leg_) {
+      if (IsDelayed()) return;
       is_on_leg_ = MayEnter(leg);
       if (!is_on_leg_) {
         if (!rest_since_) rest_since_ = now_->time;
@@ -341,6 +341,18 @@ class LanesController final : public Controller, public RobotWatcher {
       if (settings_.close_doors) controls_.Note(lane(*leg.lane));
     }
     if (KeepsLift(leg)) Drive(leg);
+  }
+
+  // Before a move of the planned traffic, by one draw for each.
+  bool IsDelayed() {
+    if (!plan_ || settings_.delay_probability == 0.0) return false;
+    if (drawn_for_ != plan_->finished()) {
+      drawn_for_ = plan_->finished();
+      const bool has_delay = now_->Random(0) < settings_.delay_probability;
+      const double range = settings_.delay_max - settings_.delay_min;
+      delayed_until_ = has_delay ? now_->time + settings_.delay_min + range * now_->Random(1) : 0.0;
+    }
+    return now_->time < delayed_until_;
   }
 
   // A user may call the lift away while the robot is on its leg into or out of the cabin, and another robot may get the
@@ -510,7 +522,7 @@ class LanesController final : public Controller, public RobotWatcher {
       const double most = i == 0 ? std::min(rest - tolerance, kSeeAhead) : std::min(rest, kSeeAhead - before);
       std::optional<LaneObstacle> obstacle = FindObstacle(start, along, most, DrivesBackward(legs_[i]));
       if (obstacle) {
-        const double gap = obstacle->is_person ? kPersonGap : kGap;
+        const double gap = obstacle->is_person ? kPersonGap : settings_.gap;
         obstacle->room = i == 0 ? obstacle->room - gap : before + std::max(obstacle->room - gap, 0.0);
         return obstacle;
       }
@@ -553,7 +565,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const double sign = DrivesBackward(leg) ? -1.0 : 1.0;
     const Vec2 p_R = sign * Transform2(now_->pose_estimate).InverseTransform(aim);
     const bool turns = can_turn() && std::fabs(Atan2(p_R.y(), p_R.x())) > kTurnFirst;
-    if (ahead) most = std::min(most, BrakingSpeed(drive_, ahead->room - kGap));
+    if (ahead) most = std::min(most, BrakingSpeed(drive_, ahead->room - settings_.gap));
     if (ahead && most < kCreep && !turns) {
       if (leg.lane && at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
       return Block(ahead->robot.id, leg, at);
@@ -681,6 +693,8 @@ class LanesController final : public Controller, public RobotWatcher {
   std::optional<double> obstructed_since_;  // s, simulated: on a granted move
   bool asks_for_way_ = false;
   bool has_said_taken_ = false;
+  std::optional<std::uint32_t> drawn_for_;  // finished moves, for which a delay has been drawn
+  double delayed_until_ = 0.0;              // s, simulated
 
   bool has_started_ = false;
   std::size_t at_ = 0;                         // the vertex that it was at last

@@ -37,6 +37,8 @@ class PlannedWay {
   std::vector<Leg> Legs() const;
   // The robot is at the end of the first leg.
   void Finish();
+  // Moves since it takes part, modulo 2^32.
+  std::uint32_t finished() const { return finished_; }
 
   // With the numbers of all graphs. `at`, `goal`: vertices of its graph.
   TrafficOrder OrderFor(std::size_t at, std::optional<std::size_t> goal) const;

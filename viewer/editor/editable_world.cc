@@ -165,6 +165,11 @@ Result<EditedKind> KindOf(const std::string& path) {
   if (ending == ".world") return EditedKind::kWorld;
   if (ending == ".inc") return EditedKind::kInclude;
   if (ending == ".json") return EditedKind::kScenario;
+  if (ending == ".map" || ending == ".pogema" || ending == ".scen") {
+    return Error{{path},
+                 "found a map of cells or its agents, which have no models to edit; expected a scenario whose "
+                 "\"world\" it is"};
+  }
   return Error{{path},
                "found a file ending in " + Quoted(ending) + ", expected .world, .inc (models) or .json (scenario)"};
 }

@@ -129,6 +129,7 @@ class BuildingEvents {
     events_.push_back({.tick = now_.tick, .type = type, .robot = robot, .detail = std::move(detail)});
   }
   void AddOfLane(std::uint32_t lane, const std::string& rule) {
+    if (LaneOf(world_, lane).start().is_between) return;  // told of its first part
     AddPlain(EventType::kLaneSwitched, NameOfLane(world_, lane) + ": " + rule);
   }
 

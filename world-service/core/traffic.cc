@@ -7,6 +7,7 @@
 
 #include "common/model/lane_rules.h"
 #include "common/spatial/scene.h"
+#include "common/traffic/path_execution.h"
 #include "common/traffic/traffic_plan.h"
 #include "world-service/core/step_workspace.h"
 
@@ -97,11 +98,16 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   }
   const std::shared_ptr<TrafficRoutes> routes = workspace.scene.TrafficRoutesFor(radii);
   if (!Fits(routes->graph(), plan)) plan = {};
-  std::vector<bool> obstructed = FindObstructed(workspace, routes->graph(), radii, takes_part);
-  std::vector<Pose> poses;
-  for (const TrafficRobot& robot : plan.robots) poses.push_back(state.robots[robot.robot.index()].X_WR);
-  for (const std::uint32_t lane : ClosedLanesFor(world, state, poses)) obstructed[lane] = true;
-  PlanTraffic(*routes, requests, obstructed, state.tick, plan);
+  const PathSchedule& schedule = workspace.scene.path_schedule();
+  if (!schedule.empty()) {
+    ExecutePaths(routes->graph(), schedule, world.lane_trips, requests, state.tick, plan);
+  } else {
+    std::vector<bool> obstructed = FindObstructed(workspace, routes->graph(), radii, takes_part);
+    std::vector<Pose> poses;
+    for (const TrafficRobot& robot : plan.robots) poses.push_back(state.robots[robot.robot.index()].X_WR);
+    for (const std::uint32_t lane : ClosedLanesFor(world, state, poses)) obstructed[lane] = true;
+    PlanTraffic(*routes, requests, obstructed, state.tick, plan);
+  }
   state.traffic_robots = std::move(plan.robots);
   state.traffic_moves = std::move(plan.moves);
   state.lane_closures = std::move(plan.closures);

@@ -6,6 +6,7 @@
 #include "common/base/identity.h"
 #include "common/base/thread_pool.h"
 #include "ros/flags/ros_flags.h"
+#include "world-service/program/grid_flags.h"
 
 namespace troupe {
 namespace {
@@ -51,6 +52,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   app.add_flag("--watched", line.run.is_watched, "A viewer shows the run: its default speed is that for people");
   AddRobotsPerProcessFlag(app, line.run.robots_per_process);
   AddSeedFlag(app, line.overrides.seed);
+  AddGridFlags(app, line.overrides.grid);
   AddBranchFlags(app, line.branch);
   AddAllowControllersFlag(app, line.permissions.controllers);
   AddAllowFilesFlag(app, line.permissions.files);

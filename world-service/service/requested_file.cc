@@ -88,6 +88,8 @@ struct Source {
 
 Result<Source> SourceOf(const ServiceOptions& options, const std::string& path, const std::string& text) {
   Source source{path, {}, options.overrides};
+  // The options are those of the run's own file.
+  if (!text.empty() || path != options.world_file) source.overrides.grid = {};
   if (text.empty()) return source;
   Result<std::shared_ptr<const RequestedText>> written = RequestedText::Write(text);
   if (!written.ok()) return written.error();

@@ -411,8 +411,10 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   PhaseTimes phase_times;
   const CoordinatorOptions coordinator = MakeCoordinatorOptions(options, trace.get(), phase_times);
   RobotTotals totals;
+  TripTotals trips;
   RunObservers all = observers;
   all.push_back(&totals);
+  all.push_back(&trips);
   Driver driver(scene, options, coordinator, std::move(endpoint), all, trace.get());
 
   Status failure;  // the first
@@ -445,6 +447,7 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
     summary.value().totals_since = totals.since();
     summary.value().flows = totals.CollectFlows();
     summary.value().cleaning = totals.CollectCleaning();
+    summary.value().trips = trips.Collect();
   }
   if (trace) note(trace->Close());
   if (summary.ok() && !failure.ok()) return failure.error();

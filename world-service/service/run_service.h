@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@
 #include "world-service/service/robot_totals.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
+#include "world-service/service/trip_totals.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
@@ -57,6 +59,7 @@ struct RunSummary {
   std::uint64_t totals_since = 0;      // the tick from which on they count
   std::vector<FlowTotal> flows;        // of goods
   std::vector<CleaningTotal> cleaning;
+  std::optional<TripSummary> trips;    // of a problem of paths
 };
 inline constexpr std::size_t kMaxWaitPlaces = 10;
 inline constexpr std::size_t kMaxRobotTotals = 1000;

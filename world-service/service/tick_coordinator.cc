@@ -220,7 +220,7 @@ void TickCoordinator::PollRejoining(double now) {
     Announce();
   }
   if (now < RejoinDeadline()) return;
-  if (engine_.IsLast(run_.frame.state.tick)) return Begin(now);
+  if (engine_.IsLast(run_.frame.state)) return Begin(now);
   for (const RobotId robot : run_.members.AbsentRobots()) {
     run_.events.Add(EventType::kLeft, run_.frame.state.tick, robot, "its agent has not rejoined the run");
   }
@@ -233,7 +233,7 @@ void TickCoordinator::PollRejoining(double now) {
 double TickCoordinator::RejoinDeadline() const {
   const RunSettings& settings = run_.options.settings;
   // The agents may all have left, because they have seen the last frame.
-  if (engine_.IsLast(run_.frame.state.tick)) return run_.created_at + 2.0 * run_.options.lease_seconds;
+  if (engine_.IsLast(run_.frame.state)) return run_.created_at + 2.0 * run_.options.lease_seconds;
   const double longest =
       settings.agent_deadline_seconds > 0.0 ? settings.agent_deadline_seconds : run_.options.start_timeout_seconds;
   return longest > 0.0 ? progress_at_ + longest : std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/or_failure.h"
+#include "common/model/lane_trips.h"
 #include "common/model/states.h"
 #include "common/spatial/check_order.h"
 
@@ -178,7 +179,7 @@ void TickEngine::Continue(double now) {
   pacer_.Resume(frame.state.tick, now);
   // If an agent has decided on the frame already, the service before had released it.
   const bool shows = !run_.is_decided && ShowsTick(frame.state.tick);
-  frame.last = IsLast(frame.state.tick);
+  frame.last = IsLast(frame.state);
   frame.paused = !frame.last && (ticks_to_pause_ == 0U || shows);
   stage_ = StageOf(frame, shows);
   frame.holds = frame.paused && ticks_to_pause_ != 0U;
@@ -206,8 +207,9 @@ void TickEngine::ReportBranch(double now) {
   if (!outcome.ok()) Fail(outcome.error(), now);
 }
 
-bool TickEngine::IsLast(Tick tick) const {
-  return run_.options.settings.ticks && tick >= *run_.options.settings.ticks;
+bool TickEngine::IsLast(const WorldState& state) const {
+  if (run_.options.settings.ticks && state.tick >= *run_.options.settings.ticks) return true;
+  return AreTripsDone(run_.world(), state);
 }
 
 RunProgress TickEngine::Progress() const {
@@ -357,7 +359,7 @@ void TickEngine::PublishEdit(FrameMessage next, const AppliedEdit& edit, double 
 
 void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   const Tick tick = next.state.tick;
-  next.last = IsLast(tick);
+  next.last = IsLast(next.state);
   // Agents leave at the last frame, so no pause could end.
   if (next.last) next.paused = false;
   const FrameStage stage = StageOf(next, next.paused && ShowsTick(tick));

@@ -125,7 +125,7 @@ class TickEngine {
   // A robot has no agent, and no tick can follow.
   bool halted() const;
   // The run ends with this tick.
-  bool IsLast(Tick tick) const;
+  bool IsLast(const WorldState& state) const;
   // All observers can accept a tick.
   bool observers_ready() const;
   double observers_waited_seconds() const { return observers_waited_; }  // that ticks have waited for them

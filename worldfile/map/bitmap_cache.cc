@@ -76,6 +76,13 @@ Result<const BitmapRectangles*> BitmapCache::Load(const std::string& path, const
   return by_path_.emplace(path, KnownBitmap{rule, std::move(read).value()})->second.content.get();
 }
 
+const BitmapRectangles* BitmapCache::Keep(const std::string& path, Bitmap pixels) {
+  const PixelRule none;
+  if (const auto* const found = Find(by_path_, path, none)) return found->get();
+  auto cover = std::make_shared<const BitmapRectangles>(CoverOf(std::move(pixels)));
+  return by_path_.emplace(path, KnownBitmap{none, std::move(cover)})->second.content.get();
+}
+
 Result<std::shared_ptr<const BitmapRectangles>> BitmapCache::Read(const std::string& path, const PixelRule& rule,
                                                                   const SourceLocation& where) const {
   const std::optional<std::string> resolved = allowed_.Resolve(path);

@@ -91,6 +91,9 @@ class BitmapCache {
   // The bitmap at `path` by `rule`. Errors are placed at `where`, which names it. Valid as long as the cache.
   Result<const BitmapRectangles*> Load(const std::string& path, const PixelRule& rule, const SourceLocation& where);
 
+  // The cover of pixels that are not those of an image: of the text at `path`. Valid as long as the cache.
+  const BitmapRectangles* Keep(const std::string& path, Bitmap pixels);
+
   // Sorted by path.
   std::vector<std::string> Paths() const;
   // Width and height of the largest image, pixels.

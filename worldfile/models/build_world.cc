@@ -6,6 +6,7 @@
 #include <memory>
 #include <tuple>
 
+#include "worldfile/models/grid_lanes.h"
 #include "worldfile/models/lanes.h"
 #include "worldfile/models/narrow_lanes.h"
 #include "worldfile/models/properties/color_names.h"
@@ -307,6 +308,10 @@ WorldDescription ReadWorldProperties(PropertyReader& reader) {
   return world;
 }
 
+// Of a problem of paths: hundreds of robots that do little, and a run that ends even if some do not arrive.
+constexpr std::uint32_t kCellRobotsPerProcess = 100;
+constexpr double kGridSeconds = 3600.0;
+
 // Stage's speed of a run with a window; none if it is not above 0.
 Speed ReadWatchedSpeed(PropertyReader& reader) {
   const double speedup = reader.Number("speedup", 1.0, -1e6, 1e6);
@@ -354,6 +359,15 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
   } else {
     loaded.world.levels = LevelsOf(loaded.world.lifts);
   }
+  if (tree.grid != nullptr) {
+    if (Status status = AddGrid(*tree.grid, loaded.world); !status.ok()) return status.error();
+    if (!tree.grid->agents.empty()) {
+      loaded.settings.robots_per_process = kCellRobotsPerProcess;
+      if (!loaded.settings.ticks) {
+        loaded.settings.ticks = static_cast<std::uint64_t>(kGridSeconds / loaded.world.interval_seconds());
+      }
+    }
+  }
   loaded.files = tree.files;
   const std::vector<std::string> bitmaps = context.bitmaps.Paths();
   loaded.files.insert(loaded.files.end(), bitmaps.begin(), bitmaps.end());
@@ -364,9 +378,12 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
   return loaded;
 }
 
-Status PrepareForControllers(LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides) {
+void PrepareLanes(LoadedWorld& loaded, const std::string& file) {
   for (const std::string& message : FindNarrowLanes(loaded.world)) loaded.warnings.push_back({{file}, message});
   AddWaitingPoints(loaded.world);
+}
+
+Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides) {
   if (!overrides.check_in_world) return Status();
   std::vector<RobotId> robots;
   for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) robots.emplace_back(i);

@@ -32,6 +32,7 @@
 #include "troupe/named_expectation.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
+#include "worldfile/grids/grid_problem.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/stage/world_tree.h"
 
@@ -64,6 +65,7 @@ struct LoadOverrides {
   // Checks that the world has what the controllers of the robots need. Nothing: that is not checked.
   std::function<Status(const WorldDescription& world, std::span<const RobotId> robots)> check_in_world = {};
   AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
+  GridOptions grid = {};                       // of a file with cells; an error for others
 };
 
 struct BuildOptions {
@@ -77,10 +79,13 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
                                const BuildOptions& options = {});
 
 // Of a world whose robots have their controllers: warns of narrow lanes, and adds waiting points to lanes of planned
-// traffic. The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
-Status PrepareForControllers(LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
+// traffic.
+void PrepareLanes(LoadedWorld& loaded, const std::string& file);
 
-// Warnings about the places of things in the whole world of a file: starts inside other models, lanes at open doors.
+// The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
+Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
+
+// Warnings about the places of things in the whole world of a file: starts inside other models, and the like.
 void AppendPlacementWarnings(const std::string& file, LoadedWorld& loaded);
 
 }  // namespace troupe

@@ -87,7 +87,7 @@ class LaneCutter {
       const Vec2 point = start.position + share * way;
       if (!IsFree(point, start.z, whole)) continue;
       const auto vertex = static_cast<std::uint32_t>(graph_.vertices.size());
-      graph_.vertices.push_back({.name = "", .position = point, .z = start.z, .dock = "", .mutex = ""});
+      graph_.vertices.push_back({.name = "", .position = point, .z = start.z, .dock = "", .mutex = "", .is_between = true});
       End(last, vertex, share * length, whole);
       last = {vertex, share * length, graph_.lanes.size()};
       graph_.lanes.push_back(whole);
@@ -132,7 +132,7 @@ class LaneCutter {
 }  // namespace
 
 void AddWaitingPoints(WorldDescription& world) {
-  if (world.lane_graphs.empty()) return;
+  if (world.lane_graphs.empty() || !world.lane_trips.empty()) return;
   const std::vector<double> radii = RadiiOnGraphs(world);
   for (std::size_t i = 0; i < radii.size(); ++i) {
     if (radii[i] > 0.0) AddWaitingPoints(world, i, radii[i]);

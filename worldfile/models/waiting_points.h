@@ -15,7 +15,8 @@
 
 namespace troupe {
 
-// Adds them to the graphs on which a robot of the world takes part in planned traffic (controller `lanes`).
+// Adds them to the graphs on which a robot of the world takes part in planned traffic (controller `lanes`). Not to
+// those of a problem of multi-agent paths, whose steps are lanes.
 // Cost: points times leaves of doors.
 void AddWaitingPoints(WorldDescription& world);
 // To one graph of the world. `radius`: m, of the largest robot on it.

@@ -7,6 +7,7 @@
 #include "common/base/glob.h"
 #include "common/base/json_tree.h"
 #include "common/model/find_robots.h"
+#include "worldfile/grids/grid_tree.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/models/crowd.h"
 #include "worldfile/scenario/scenario_schema.h"
@@ -234,6 +235,7 @@ void CopyPeople(const WorldDescription& from, WorldDescription& to) {
 
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
   if (IsBuildingPath(path) || IsLayoutPath(path, allowed)) return ReadSiteTree(path, allowed);
+  if (IsGridPath(path, allowed)) return ReadGridTree(path, {}, allowed);
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path, allowed);
   // The tree only names the map: an unreadable one would be found too late to name the right line.
@@ -249,7 +251,7 @@ Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& o
 }
 
 Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
-  if (IsLayoutPath(path, overrides.allowed)) return Status();
+  if (IsLayoutPath(path, overrides.allowed) || IsGridPath(path, overrides.allowed)) return Status();
   const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
   if (!text.ok()) return text.error();
   const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, ScenarioTools{});
@@ -293,7 +295,7 @@ Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& p
 }
 
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path) {
-  if (IsLayoutPath(path)) return HostsOfScenario();
+  if (IsLayoutPath(path) || IsGridPath(path)) return HostsOfScenario();
   const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
   if (!text.ok()) return text.error();
   Result<ScenarioFile> file = ReadText(text.value(), path, {}, ScenarioTools{});
@@ -336,8 +338,9 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
     CopyPeople(built.value().world, reduced.value().world);
     built = std::move(reduced);
   }
+  PrepareLanes(built.value(), path);
   if (Status error = AddSiteEntries(file.site, built.value().world); !error.ok()) return error.error();
-  if (Status error = PrepareForControllers(built.value(), path, overrides); !error.ok()) return error.error();
+  if (Status error = CheckControllersInWorld(built.value(), path, overrides); !error.ok()) return error.error();
   return built;
 }
 

@@ -319,8 +319,9 @@ WorldTree Merged(WorldTree tree, WorldTree include, const SourceLocation& where)
       tree.warnings.push_back({where, "the define " + Quoted(name) + " is there already: the first one counts"});
     }
   }
-  // One building for a world: the first.
+  // One building and one map of cells for a world: the first.
   if (tree.site == nullptr) tree.site = std::move(include.site);
+  if (tree.grid == nullptr) tree.grid = std::move(include.grid);
   for (std::size_t i = 0; i < include.world.children.size(); ++i) {
     // A relative bitmap of an include starts at the include's folder; the merged tree knows only the folder of the top
     // file.

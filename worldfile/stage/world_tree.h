@@ -26,7 +26,8 @@
 
 namespace troupe {
 
-struct Site;  // worldfile/sites/site.h
+struct Site;         // worldfile/sites/site.h
+struct GridProblem;  // worldfile/grids/grid_problem.h
 
 // A number, with its text for messages.
 struct NumberValue {
@@ -142,8 +143,9 @@ struct WorldTree {
   std::map<std::string, Define> defines;  // for making further instances (spawn rules)
   std::vector<std::string> files;         // every file that was read, the top one first
   std::vector<Warning> warnings;
-  std::string directory;                  // of the top file: relative bitmaps and includes start here
-  std::shared_ptr<const Site> site = {};  // that the tree was made from; null for other files
+  std::string directory;                         // of the top file: relative bitmaps and includes start here
+  std::shared_ptr<const Site> site = {};         // that the tree was made from; null for other files
+  std::shared_ptr<const GridProblem> grid = {};  // likewise
 };
 
 // The factors from the units of a world's files to metres and radians.

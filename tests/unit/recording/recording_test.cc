@@ -389,6 +389,7 @@ TEST(IdlColumnsTest, TheWorldHasTheNamesOfTheFields) {
   ExpectMembers<LaneDoor>("LaneDoor");
   ExpectMembers<Lane>("Lane");
   ExpectMembers<LaneGraph>("LaneGraph");
+  ExpectMembers<LaneTrip>("LaneTrip");
   ExpectMembers<WorldDescription>("World");
 }
 

@@ -169,6 +169,7 @@ class LauncherReporter final : public Reporter {
     for (const CleaningTotal& zone : summary.cleaning) cleaning.push_back(FieldsToJson<Json>(zone));
     Json waits = Json::array();
     for (const PlaceWaits& place : summary.waits) waits.push_back(FieldsToJson<Json>(place));
+    const Json trips = summary.trips ? FieldsToJson<Json>(*summary.trips) : Json();
     Send({{"type", "end"},
           {"ticks", summary.ticks},
           {"sim_seconds", summary.sim_seconds},
@@ -191,7 +192,8 @@ class LauncherReporter final : public Reporter {
           {"traffic", FieldsToJson<Json>(summary.traffic)},
           {"waits", std::move(waits)},
           {"flows", std::move(flows)},
-          {"cleaning", std::move(cleaning)}});
+          {"cleaning", std::move(cleaning)},
+          {"trips", trips}});
   }
   void Failed(const Error& error) override {
     Send({{"type", "error"}, {"message", error.ToString()}});

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "worldfile/grids/grid_problem.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/text/text_file.h"
 
@@ -240,6 +241,41 @@ struct AxisMap {
   double operator()(double value) const { return (value - center) * factor; }
 };
 
+constexpr double kCellWallHeight = 2.0;  // m
+
+// A map of square cells (worldfile/grids/grid_map.h), whose lower left corner is its origin.
+std::optional<RosMap> ReadCellMap(PropertyReader& reader, BuildContext& context) {
+  const double cell = reader.Length("cell_size", kDefaultCell / reader.units().length);
+  const Property* property = reader.Use("map_cells");
+  if (property == nullptr) return std::nullopt;
+  const SourceLocation& where = property->value.where;
+  if (!(cell >= kMinCell && cell <= kMaxCell)) {
+    reader.diagnostics().Fail(reader.Where("cell_size"), "found cells of " + NumberText(cell) + " m, expected " +
+                                                             NumberText(kMinCell) + " to " + NumberText(kMaxCell) +
+                                                             " m");
+    return std::nullopt;
+  }
+  if (context.without_bitmaps) {
+    reader.diagnostics().Fail(where, "found a map, which cannot be read here");
+    return std::nullopt;
+  }
+  const std::string path = FindFile(reader.Text("map_cells", ""), context.tree.directory, where.file);
+  if (!IsGridMapPath(path)) {
+    reader.diagnostics().Fail(where, "found " + QuotedPath(path) + ", expected a map of cells (.map, .pogema)");
+    return std::nullopt;
+  }
+  const Result<GridMap> read = ReadGridMap(path, where, context.allowed);
+  if (!read.ok()) {
+    reader.diagnostics().Fail(read.error().where, read.error().message);
+    return std::nullopt;
+  }
+  RosMap map;
+  map.pixels = context.bitmaps.Keep(path, read.value().ToBitmap());
+  map.resolution = cell;
+  map.size = {map.pixels->width * cell, map.pixels->height * cell, kCellWallHeight};
+  return map;
+}
+
 AxisMap FitAxis(double min, double max, double size) {
   if (!(max > min)) return {};
   return {0.5 * (min + max), size / (max - min)};
@@ -249,7 +285,7 @@ AxisMap FitAxis(double min, double max, double size) {
 
 std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) {
   const Property* property = reader.Use("map_yaml");
-  if (property == nullptr) return std::nullopt;
+  if (property == nullptr) return ReadCellMap(reader, context);
   const SourceLocation& where = property->value.where;
   if (context.without_bitmaps) {
     reader.diagnostics().Fail(where, "found a map, which cannot be read here");

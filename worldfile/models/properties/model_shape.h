@@ -37,7 +37,7 @@ Shape Moved(Shape shape, const Pose& X_MD);
 // A block whose outline is a rectangle.
 Block BoxBlock(const Rectangle& area, const ZRange& z);
 
-// A ROS map, as the property `map_yaml` gives it to a model.
+// A ROS map, or a map of cells, as the property `map_yaml` or `map_cells` gives it to a model.
 struct RosMap {
   Pose origin;  // of the image's lower left corner, in the parent's frame
   Size size;    // m
@@ -49,7 +49,8 @@ struct RosMap {
   }
 };
 
-// The map of the property `map_yaml`; nothing if there is none, or it cannot be read. Valid as long as the context.
+// The map of the property `map_yaml` or `map_cells`; nothing if there is none, or it cannot be read. Valid as long as
+// the context.
 std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context);
 
 // A moving model's shape, with the rectangles of its bitmap in a list. More than kMaxMovingRectangles of a dense bitmap

@@ -38,6 +38,8 @@ constexpr TableRow kRows[] = {
     {"*", "boundary", "flag", "", "0", "Four thin walls around the box or the bitmap"},
     {"*", "bitmap", "text", "", "", "An image (PNG, JPEG, BMP, PGM) whose dark pixels are the body"},
     {"*", "map_yaml", "text", "", "", "A map of ROS's map_server as the body"},
+    {"*", "map_cells", "text", "", "", "A map of cells (.map of movingai, .pogema) as the body"},
+    {"*", "cell_size", "number", "m", "1", "The side of a cell of map_cells"},
     {"*", "obstacle_return", "flag", "", "1", "Collides"},
     {"*", "ranger_return", "number", "", "1", "Intensity that a ranger reads; below 0 it is invisible to rangers"},
     {"*", "gripper_return", "flag", "", "0", "An object: may be gripped, moved and dropped"},

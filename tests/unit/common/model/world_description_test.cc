@@ -167,6 +167,8 @@ WorldDescription WorldOfEachRow() {
   one(world.zones[0].outline);
   one(world.flows);
   one(world.timed_actions);
+  one(world.lane_trips);
+  world.lane_trips[0].goals = world.lane_trips[0].path = world.lane_trips[0].steps = {0};
   return world;
 }
 
@@ -308,6 +310,22 @@ TEST(Validate, NamesTheFaultOfASite) {
          w.lane_graphs[0].lanes[0].doors = {{0, 1.0}};
        },
        "lanes 0: lane 0: a door of it does not exist"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(9), {}, {}, {}}};
+       },
+       "lane_trips.0.robot: found 9, expected one of 2"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(0), {99}, {}, {}}};
+       },
+       "trip 0: a goal of it does not exist"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(0), {0}, {0, 1}, {0}}};
+       },
+       "trip 0: its path has not a step for each vertex"},
+      {[](auto& w) {
+         w.lane_trips = {{RobotId(0), {0}, {0, 1}, {0, 0}}};
+       },
+       "trip 0: its steps do not ascend from 0"},
   };
   for (const Fault& c : faults) {
     WorldDescription world = GoodWorld();

@@ -146,6 +146,14 @@ WorldDescription RandomMessages::RandomWorld() {
   for (std::size_t i = 0; i < world.lane_graphs.size(); ++i) {
     world.lane_graphs[i].number = static_cast<std::uint32_t>(2 * i + Below(2));
   }
+  for (std::size_t i = 0; i < world.robots.size() && !world.lane_graphs.empty() && Coin(); ++i) {
+    LaneTrip& trip = world.lane_trips.emplace_back();
+    trip.robot = RobotId(i);
+    trip.goals = {1};
+    if (Coin()) continue;
+    trip.path = {0, 1};
+    trip.steps = {0, static_cast<std::uint32_t>(1 + Below(5))};
+  }
   return world;
 }
 

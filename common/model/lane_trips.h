@@ -1,0 +1,17 @@
+// How far the robots of a problem of paths have come (LaneTrip), by the state alone.
+#pragma once
+
+#include "troupe/site_description.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
+
+namespace troupe {
+
+// The row of a robot in the traffic; null: it takes no part.
+const TrafficRobot* FindTrafficRobot(const WorldState& state, RobotId robot);
+
+// All robots with a trip are at their last goals: those with a path have made all of its moves, the others want to go
+// nowhere else. False for a world without trips.
+bool AreTripsDone(const WorldDescription& world, const WorldState& state);
+
+}  // namespace troupe
