@@ -18,6 +18,7 @@
 #include "common/traffic/traffic_plan.h"
 #include "troupe/random.h"
 #include "worldfile/load_world.h"
+#include "worldfile/models/waiting_points.h"
 
 namespace troupe {
 namespace {
@@ -47,8 +48,13 @@ Result<LaneGraph> ReadGraph(const std::string& name, std::size_t number) {
   if (!name.starts_with("grid:")) {
     Result<LoadedWorld> loaded = LoadWorld(name);
     if (!loaded.ok()) return loaded.error();
-    const std::vector<LaneGraph>& graphs = loaded.value().world.lane_graphs;
+    std::vector<LaneGraph>& graphs = loaded.value().world.lane_graphs;
     if (number >= graphs.size()) return BadInput(fmt::format("found {} graphs of lanes, expected more", graphs.size()));
+    const std::vector<LaneVertex>& vertices = graphs[number].vertices;
+    // Those of a world without robots on these lanes.
+    if (std::none_of(vertices.begin(), vertices.end(), [](const LaneVertex& vertex) { return vertex.is_between; })) {
+      AddWaitingPoints(loaded.value().world, number, kRadius);
+    }
     return graphs[number];
   }
   const std::size_t width = std::max(std::strtoul(name.c_str() + 5, nullptr, 10), 2UL);
