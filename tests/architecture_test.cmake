@@ -54,6 +54,8 @@ set(may_include_worldfile
   common/base common/geometry common/model
   worldfile/models worldfile/models/types worldfile/map worldfile/scenario worldfile/sites
   worldfile/stage worldfile/text)
+# VDA 5050: messages, and the rules of both sides, as pure functions.
+set(may_include_fleet common/base)
 set(may_include_transport/protocol common/base common/geometry common/model)
 set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
 set(may_include_transport/security common/base transport/protocol common/run)
@@ -225,7 +227,7 @@ set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers
 
 set(failures)
 set(patterns)
-foreach(top command_line common include launcher library python recording robot-agent ros testing transport viewer/editor
+foreach(top command_line common fleet include launcher library python recording robot-agent ros testing transport viewer/editor
     viewer/foxglove
     viewer/gateway viewer/module world-service worldfile)
   list(APPEND patterns ${ROOT}/${top}/*.h ${ROOT}/${top}/*.cc)

@@ -6,7 +6,7 @@ cmake_minimum_required(VERSION 3.25)
 # The folders from files of users to states, readings and recordings.
 set(folders
   common/base common/geometry common/bitmap common/image common/model common/spatial common/sensing common/run
-  include/troupe worldfile transport/protocol transport/dds/convert transport/wire recording
+  include/troupe worldfile fleet transport/protocol transport/dds/convert transport/wire recording
   world-service/core world-service/replay
   robot-agent/controller robot-agent/drive robot-agent/gripper robot-agent/navigation robot-agent/robot
   testing/expectations library)

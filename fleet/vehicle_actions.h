@@ -1,0 +1,36 @@
+// The life of a vehicle's actions: triggered, queued, started, paused, ended; instant actions; pause, cancel and modes.
+// The parts of Apply (vehicle.h) that concern them.
+#pragma once
+
+#include <cstdint>
+
+#include "fleet/vehicle.h"
+
+namespace troupe::fleet {
+
+// Adds an error, in place of an equal one of its type and references.
+void ReportError(VehicleMemory& memory, ReportedError reported);
+
+// The waiting actions of a node or an edge wait for their turn from now on.
+void TriggerActions(VehicleMemory& memory, ActionScope scope, std::uint32_t sequence_id);
+// The actions of an edge end: started ones are finished, queued ones have failed.
+void LeaveEdge(VehicleMemory& memory, std::uint32_t sequence_id);
+
+// The order will be cleared: waiting actions fail, started ones that may be cancelled, too.
+void BeginClearing(VehicleMemory& memory, const VehicleProfile& profile);
+void EnterMode(VehicleMemory& memory, OperatingMode mode, Version version);
+void SetPaused(VehicleMemory& memory, bool is_paused, const VehicleProfile& profile);
+
+struct InstantOutcome {
+  bool must_send_state = false;
+  bool must_send_factsheet = false;
+};
+InstantOutcome ApplyInstantActions(VehicleMemory& memory, const InstantActionsReceived& received,
+                                   const VehicleProfile& profile);
+void ApplyProgress(VehicleMemory& memory, const ActionProgress& progress, const VehicleProfile& profile);
+
+// All that follows without a further input: the end of a pause, a cancel or a change of the mode, the start of queued
+// actions, the entry of the next edge.
+void Settle(VehicleMemory& memory, const VehicleProfile& profile);
+
+}  // namespace troupe::fleet
