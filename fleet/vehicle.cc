@@ -10,7 +10,6 @@
 namespace troupe::fleet {
 namespace {
 
-constexpr std::size_t kMostRejections = 16;  // reported at a time
 constexpr std::size_t kMostActions = 10'000;  // if the factsheet says none
 
 bool IsModeForOrders(const VehicleMemory& memory) {
@@ -82,7 +81,7 @@ bool ReusesActionId(const VehicleMemory& memory, const Order& order, bool is_upd
   std::set<std::string_view> ids;
   if (is_update) {
     for (const TrackedAction& tracked : memory.actions) {
-      if (tracked.is_released) ids.insert(tracked.action.id);
+      if (tracked.is_released || IsFinal(tracked.status)) ids.insert(tracked.action.id);
     }
   }
   for (const TrackedAction& tracked : memory.instant_actions) {
@@ -141,12 +140,6 @@ void Reject(VehicleMemory& memory, const OrderReceived& received, const OrderRow
   error.description = "order rejected: " + std::string(row.condition);
   error.references = RejectionReferences(received, row, profile);
   ReportError(memory, {std::move(error), ErrorEnd::kOrder});
-  // A fleet control that sends wrong orders on and on must not fill the state.
-  const auto is_rejection = [](const ReportedError& reported) { return reported.end == ErrorEnd::kOrder; };
-  if (static_cast<std::size_t>(std::count_if(memory.errors.begin(), memory.errors.end(), is_rejection)) >
-      kMostRejections) {
-    memory.errors.erase(std::find_if(memory.errors.begin(), memory.errors.end(), is_rejection));
-  }
 }
 
 void EndErrors(VehicleMemory& memory, bool is_new_order) {
@@ -199,7 +192,10 @@ void AcceptUpdate(VehicleMemory& memory, const Order& order) {
   EndErrors(memory, false);
   std::erase_if(memory.nodes, [](const Node& node) { return !node.released; });
   std::erase_if(memory.edges, [](const Edge& edge) { return !edge.released; });
-  std::erase_if(memory.actions, [](const TrackedAction& tracked) { return !tracked.is_released; });
+  // Those of a horizon that was cancelled stay: they have failed.
+  std::erase_if(memory.actions, [](const TrackedAction& tracked) {
+    return !tracked.is_released && tracked.status == ActionStatus::kWaiting;
+  });
   memory.nodes.insert(memory.nodes.end(), order.nodes.begin() + 1, order.nodes.end());
   memory.edges.insert(memory.edges.end(), order.edges.begin(), order.edges.end());
   TrackActions(memory, order, false);

@@ -8,7 +8,7 @@
 namespace troupe::fleet {
 namespace {
 
-constexpr std::size_t kMostErrors = 64;            // reported at a time, but for those that a controller raises
+constexpr std::size_t kMostErrors = 8;             // of one type
 constexpr std::size_t kMostInstantActions = 1000;  // if the factsheet says none
 
 bool IsPosition(std::string_view type) {
@@ -295,10 +295,12 @@ void ReportError(VehicleMemory& memory, ReportedError reported) {
     return other.end == reported.end && other.error.type == reported.error.type &&
            other.error.references == reported.error.references;
   });
-  // What peers cause must not fill the state.
-  const auto is_of_peer = [](const ReportedError& other) { return other.end != ErrorEnd::kCause; };
-  if (static_cast<std::size_t>(std::count_if(memory.errors.begin(), memory.errors.end(), is_of_peer)) >= kMostErrors) {
-    memory.errors.erase(std::find_if(memory.errors.begin(), memory.errors.end(), is_of_peer));
+  // A peer that sends wrong messages on and on must not fill the state.
+  const auto is_alike = [&](const ReportedError& other) {
+    return other.end == reported.end && other.error.type == reported.error.type;
+  };
+  if (static_cast<std::size_t>(std::count_if(memory.errors.begin(), memory.errors.end(), is_alike)) >= kMostErrors) {
+    memory.errors.erase(std::find_if(memory.errors.begin(), memory.errors.end(), is_alike));
   }
   memory.errors.push_back(std::move(reported));
 }

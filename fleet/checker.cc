@@ -1,0 +1,119 @@
+#include "fleet/checker.h"
+
+#include <algorithm>
+
+#include "fleet/checker_parts.h"
+#include "fleet/codec.h"
+
+namespace troupe::fleet {
+namespace {
+
+std::string Listed(const std::vector<MessageFault>& faults) {
+  std::string text;
+  for (const MessageFault& fault : faults) text += (text.empty() ? "" : "; ") + fault.ToString();
+  return text;
+}
+
+void JudgeHeader(MessageJudge& judge, const ObservedMessage& observed, const Header& header) {
+  VehicleRecord::Sender& sender = judge.record.senders[static_cast<std::size_t>(observed.topic)];
+  // The last will is composed when the vehicle connects, so it is older than what came since.
+  if (observed.topic != Topic::kConnection) {
+    if (sender.header_id && header.header_id != *sender.header_id + 1) {
+      judge.Break(Rule::kHeaderIdCounts, "headerId " + std::to_string(header.header_id),
+                  std::to_string(*sender.header_id + 1));
+    }
+    sender.header_id = header.header_id;
+    const std::int64_t time = ParseTimestamp(header.timestamp).value_or(sender.timestamp);
+    if (time < sender.timestamp) {
+      judge.Break(Rule::kTimestampGrows, "the timestamp " + header.timestamp,
+                  "at least " + FormatTimestamp(sender.timestamp, judge.options.version));
+    }
+    sender.timestamp = std::max(sender.timestamp, time);
+  }
+  const bool has_sender = !header.manufacturer.empty() || !header.serial_number.empty();
+  if (has_sender && (header.manufacturer != observed.manufacturer || header.serial_number != observed.serial_number)) {
+    judge.Break(Rule::kSenderInTopic, "'" + header.manufacturer + "/" + header.serial_number + "'",
+                "'" + observed.manufacturer + "/" + observed.serial_number + "'");
+  }
+}
+
+// The message, if it has the form of its topic.
+template <typename Message>
+std::optional<Message> Read(MessageJudge& judge, const ObservedMessage& observed) {
+  Decoded<Message> decoded = Decode<Message>(observed.payload, judge.options.version);
+  if (!decoded.ok()) {
+    judge.Break(Rule::kMessageForm, Listed(decoded.faults));
+    return std::nullopt;
+  }
+  if (!decoded.lenient.empty()) {
+    std::string found;
+    for (const LenientPlace& place : decoded.lenient) {
+      found += (found.empty() ? "" : "; ") + place.pointer + ": " + NameOf(place.lenience);
+    }
+    judge.Break(Rule::kStrictJson, std::move(found));
+  }
+  JudgeHeader(judge, observed, decoded.message.header);
+  return std::move(decoded.message);
+}
+
+void Judge(MessageJudge& judge, const ObservedMessage& observed) {
+  switch (observed.topic) {
+    case Topic::kOrder:
+      if (const auto order = Read<Order>(judge, observed)) JudgeOrder(judge, *order);
+      break;
+    case Topic::kInstantActions:
+      if (const auto actions = Read<InstantActions>(judge, observed)) JudgeInstantActions(judge, *actions);
+      break;
+    case Topic::kState:
+      if (const auto state = Read<State>(judge, observed)) JudgeState(judge, *state);
+      break;
+    case Topic::kConnection:
+      if (const auto connection = Read<Connection>(judge, observed)) {
+        judge.record.connection = connection->state;
+        // A vehicle that has been away counts from the beginning, and its last state may be long ago.
+        for (const Topic topic : {Topic::kState, Topic::kFactsheet, Topic::kVisualization}) {
+          judge.record.senders[static_cast<std::size_t>(topic)].header_id.reset();
+        }
+        judge.record.is_overdue = true;
+      }
+      break;
+    case Topic::kFactsheet:
+      if (auto factsheet = Read<Factsheet>(judge, observed)) judge.record.factsheet = std::move(*factsheet);
+      break;
+    case Topic::kVisualization:
+      Read<Visualization>(judge, observed);
+      break;
+    case Topic::kZoneSet:
+      Read<ZoneSet>(judge, observed);
+      break;
+    case Topic::kResponses:
+      Read<Responses>(judge, observed);
+      break;
+  }
+}
+
+}  // namespace
+
+std::string Verdict::ToString() const {
+  return vehicle + ", message " + std::to_string(message) + ": " + NameOf(rule) + ": found " + found + ", expected " +
+         expected;
+}
+
+std::vector<Verdict> CheckMessage(CheckerMemory& memory, const ObservedMessage& message, const CheckerOptions& options) {
+  std::vector<Verdict> verdicts = CheckTime(memory, message.milliseconds, options);
+  const std::string vehicle = message.manufacturer + "/" + message.serial_number;
+  MessageJudge judge{memory.vehicles[vehicle], options, vehicle, memory.messages++, message.milliseconds, verdicts};
+  Judge(judge, message);
+  return verdicts;
+}
+
+std::vector<Verdict> CheckTime(CheckerMemory& memory, std::int64_t milliseconds, const CheckerOptions& options) {
+  std::vector<Verdict> verdicts;
+  for (auto& [vehicle, record] : memory.vehicles) {
+    MessageJudge judge{record, options, vehicle, memory.messages, milliseconds, verdicts};
+    JudgeTime(judge);
+  }
+  return verdicts;
+}
+
+}  // namespace troupe::fleet
