@@ -11,6 +11,10 @@ bool IsActive(ActionStatus status) {
   return status == ActionStatus::kInitializing || status == ActionStatus::kRunning;
 }
 
+bool IsAutomatic(OperatingMode mode) {
+  return mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic;
+}
+
 bool IsRejection(std::string_view type, Version version) {
   constexpr std::string_view kOlder[] = {"validationError", "orderError", "orderUpdateError", "noRouteError"};
   // MOBILE_ROBOT_NOT_AVAILABLE ends with the mode.
@@ -279,8 +283,7 @@ void JudgeBlocking(MessageJudge& judge, const State& state) {
     const auto known = route.actions.find(each.action_id);
     if (known != route.actions.end() && IsActive(each.status)) active.push_back(&known->second);
   }
-  const bool is_automatic =
-      state.operating_mode == OperatingMode::kAutomatic || state.operating_mode == OperatingMode::kSemiautomatic;
+  const bool is_automatic = IsAutomatic(state.operating_mode);
   for (const Action* const action : active) {
     if (RunsAlone(action->blocking_type) && active.size() > 1) {
       judge.Break(Rule::kActionRunsAlone, "'" + action->id + "' with " + std::to_string(active.size() - 1) + " others");
@@ -305,10 +308,12 @@ void JudgeCancel(MessageJudge& judge, const State& state, const Action& action) 
   const bool is_unfinished = std::any_of(state.action_states.begin(), state.action_states.end(), [&](const ActionState& each) {
     return !IsFinal(each.status) && !IsInstant(each.action_id, judge.record);
   });
-  if (!state.node_states.empty() || !state.edge_states.empty() || is_unfinished || state.driving) {
+  // A person who has taken the vehicle over moves it.
+  const bool drives = state.driving && IsAutomatic(state.operating_mode);
+  if (!state.node_states.empty() || !state.edge_states.empty() || is_unfinished || drives) {
     judge.Break(Rule::kCancelClears, "'" + action.id + "' FINISHED with " + std::to_string(state.node_states.size()) +
                                          " nodes, " + std::to_string(state.edge_states.size()) + " edges" +
-                                         (is_unfinished ? ", unfinished actions" : "") + (state.driving ? ", driving" : ""));
+                                         (is_unfinished ? ", unfinished actions" : "") + (drives ? ", driving" : ""));
   }
 }
 

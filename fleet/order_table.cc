@@ -79,7 +79,7 @@ std::span<const OrderRow> OrderTable() {
 }
 
 const OrderRow& RowFor(const OrderFacts& facts) {
-  const auto* const row =
+  const auto row =
       std::find_if(std::begin(kTable), std::end(kTable), [&](const OrderRow& each) { return each.holds(facts); });
   TROUPE_CHECK(row != std::end(kTable));
   return *row;

@@ -247,7 +247,7 @@ struct Applier {
       if (mode == OperatingMode::kStartup) mode = OperatingMode::kService;
     }
     if (memory.wanted_mode) {
-      memory.wanted_mode = mode;
+      if (ClearsOrder(mode)) memory.wanted_mode = mode;
     } else if (ClearsOrder(mode) && IsBusy(memory)) {
       memory.wanted_mode = mode;
       BeginClearing(memory, profile);

@@ -134,7 +134,8 @@ struct ActionProgress {
 struct DrivingChanged {
   bool is_driving = false;
 };
-// A person has taken the vehicle over, or has given it back.
+// A person has taken the vehicle over, or has given it back. A mode that clears the order is reported once that is done,
+// and a change back to one that keeps orders has no effect before: it has to be given again.
 struct ModeChanged {
   OperatingMode mode = OperatingMode::kAutomatic;
 };
@@ -144,6 +145,7 @@ struct PauseChanged {
 };
 // It has been moved to a place where it cannot continue.
 struct LastNodeLost {};
+// In place of an error of that type with the same references.
 struct ErrorRaised {
   VehicleError error;
 };

@@ -498,8 +498,9 @@ class Vehicle:
     def on_mode(self, mode):
         if not self.newer:
             mode = {"INTERVENED": "MANUAL", "STARTUP": "SERVICE"}.get(mode, mode)
+        keeps = mode in ("AUTOMATIC", "SEMIAUTOMATIC", "INTERVENED")
         if self.next_mode:
-            self.next_mode = mode
+            self.next_mode = self.next_mode if keeps else mode
         elif mode not in ("AUTOMATIC", "SEMIAUTOMATIC", "INTERVENED") and self.busy():
             self.next_mode = mode
             self.begin_clearing()
@@ -601,7 +602,7 @@ class Vehicle:
         elif kind == "pause":
             self.pause(line["paused"])
         elif kind == "error":
-            self.errors.append(("test", line["level"], "cause"))
+            self.errors = [e for e in self.errors if e[0] != "test"] + [("test", line["level"], "cause")]
         elif kind == "clear":
             self.errors = [e for e in self.errors if e[0] != "test"]
         self.settle()

@@ -1,7 +1,10 @@
 // Writes random sequences of messages between a fleet control and a vehicle of VDA 5050, with what the vehicle and the
 // checker make of them, for a reference that judges them by itself (reference.py):
-//   fleet_sequences FIRST COUNT [VERSION]
+//   fleet_sequences FIRST COUNT
 // A line for each sequence, then one for each input with the state behind it. Wrong and hostile messages are among them.
+//   fleet_sequences --messages FIRST COUNT
+// Messages for the public schemas (schemas_test.py), those of the vehicle in the sequences among them: a line for each with
+// topic, version and text.
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -14,6 +17,7 @@
 #include "fleet/message_names.h"
 #include "fleet/vehicle.h"
 #include "tests/unit/fleet/fleet_samples.h"
+#include "tests/unit/fleet/full_messages.h"
 #include "troupe/random.h"
 
 namespace troupe::fleet {
@@ -23,14 +27,13 @@ using nlohmann::json;
 
 class Sequence {
  public:
-  Sequence(std::uint64_t seed, Version version) : seed_(seed), profile_(SampleProfile(version)) {
+  Sequence(std::uint64_t seed, Version version, bool writes_messages)
+      : seed_(seed), writes_messages_(writes_messages), profile_(SampleProfile(version)) {
     profile_.stops_between_nodes = Draw(4) != 0;
     options_.version = version;
     memory_.maps = {{"L1", "1", {}, StoredStatus::kEnabled}, {"L1", "2", {}, StoredStatus::kDisabled}};
     readings_ = SampleReadings();
-    std::cout << json{{"seed", seed},
-                      {"version", NameOf(version)},
-                      {"stops", profile_.stops_between_nodes}}.dump() << '\n';
+    Write(json{{"seed", seed}, {"version", NameOf(version)}, {"stops", profile_.stops_between_nodes}});
     Observe(Topic::kConnection, Encode(Connection{SampleHeader(version), ConnectionState::kOnline}, version));
     Observe(Topic::kFactsheet, Encode(profile_.factsheet, version));
     SendState();
@@ -334,7 +337,9 @@ class Sequence {
     has_sent_ = true;
     last_state_ = state;
     state.header = SampleHeader(profile_.version, ++state_headers_, milliseconds_);
-    return Observe(Topic::kState, Encode(state, profile_.version));
+    const std::string text = Encode(state, profile_.version);
+    if (writes_messages_) std::cout << "state " << NameOf(profile_.version) << ' ' << text << '\n';
+    return Observe(Topic::kState, text);
   }
 
   void Do(const VehicleInput& input, json line, const std::vector<Verdict>& fleet_verdicts = {}) {
@@ -372,10 +377,15 @@ class Sequence {
     after["broken"] = json::array();
     for (const Verdict& verdict : vehicle_verdicts) after["broken"].push_back(verdict.ToString());
     line["after"] = std::move(after);
-    std::cout << line.dump(-1, ' ', false, json::error_handler_t::replace) << '\n';
+    Write(line);
+  }
+
+  void Write(const json& line) const {
+    if (!writes_messages_) std::cout << line.dump(-1, ' ', false, json::error_handler_t::replace) << '\n';
   }
 
   const std::uint64_t seed_;
+  const bool writes_messages_;
   VehicleProfile profile_;
   VehicleMemory memory_;
   VehicleReadings readings_;
@@ -397,14 +407,20 @@ class Sequence {
 }  // namespace troupe::fleet
 
 int main(int argc, char** argv) {
-  using troupe::fleet::Version;
-  if (argc < 3) return 2;
-  const std::uint64_t first = std::strtoull(argv[1], nullptr, 10);
-  const std::uint64_t count = std::strtoull(argv[2], nullptr, 10);
+  using namespace troupe::fleet;
+  const bool writes_messages = argc > 1 && std::string_view(argv[1]) == "--messages";
+  const int first_argument = writes_messages ? 2 : 1;
+  if (argc != first_argument + 2) return 2;
+  const std::uint64_t first = std::strtoull(argv[first_argument], nullptr, 10);
+  const std::uint64_t count = std::strtoull(argv[first_argument + 1], nullptr, 10);
   std::ios::sync_with_stdio(false);
+  if (writes_messages) {
+    for (const NamedPayload& payload : AllPayloads()) {
+      std::cout << payload.topic << ' ' << troupe::NameOf(payload.version) << ' ' << payload.text << '\n';
+    }
+  }
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
-    const auto version = static_cast<Version>(argc > 3 ? std::strtoull(argv[3], nullptr, 10) : seed % 3);
-    troupe::fleet::Sequence(seed, version).Run();
+    Sequence(seed, static_cast<Version>(seed % 3), writes_messages).Run();
   }
   return 0;
 }
