@@ -99,7 +99,8 @@ std::string Verdict::ToString() const {
          expected;
 }
 
-std::vector<Verdict> CheckMessage(CheckerMemory& memory, const ObservedMessage& message, const CheckerOptions& options) {
+std::vector<Verdict> CheckMessage(CheckerMemory& memory, const ObservedMessage& message,
+                                  const CheckerOptions& options) {
   std::vector<Verdict> verdicts = CheckTime(memory, message.milliseconds, options);
   const std::string vehicle = message.manufacturer + "/" + message.serial_number;
   MessageJudge judge{memory.vehicles[vehicle], options, vehicle, memory.messages++, message.milliseconds, verdicts};

@@ -1,8 +1,8 @@
-// A checker of VDA 5050: a fold over the messages of both sides, in the order in which they were seen, whose result is a
-// list of verdicts: the rule that a message breaks, what was found and what was expected.
+// A checker of VDA 5050: a fold over the messages of both sides, in the order in which they were seen, whose result is
+// a list of verdicts: the rule that a message breaks, what was found and what was expected.
 //
-// It knows what it has seen. A rule that needs more (the first states of a vehicle that was there before, a factsheet that
-// was not sent) says nothing. The memory is a plain value.
+// It knows what it has seen. A rule that needs more (the first states of a vehicle that was there before, a factsheet
+// that was not sent) says nothing. The memory is a plain value.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ enum class Topic : std::uint8_t {
   kResponses
 };
 constexpr auto NamesOf(Topic) {
-  return std::array{"order", "instantActions", "state", "connection", "factsheet", "visualization", "zoneSet",
-                    "responses"};
+  return std::array{"order",     "instantActions", "state",   "connection",
+                    "factsheet", "visualization",  "zoneSet", "responses"};
 }
 
 struct ObservedMessage {
@@ -73,8 +73,8 @@ struct KnownRoute {
   bool is_known = false;  // from its first message on
   std::string order_id;
   std::uint32_t order_update_id = 0;
-  std::map<std::uint32_t, Place> nodes;       // by sequence ids
-  std::map<std::string, Action> actions;      // of the base, by their ids
+  std::map<std::uint32_t, Place> nodes;   // by sequence ids
+  std::map<std::string, Action> actions;  // of the base, by their ids
   std::map<std::string, Action> horizon_actions;
   std::uint32_t base_end = 0;  // a sequence id
   Node end_node;               // as it was sent
@@ -112,8 +112,9 @@ struct VehicleRecord {
   std::optional<State> state;  // the newest
   std::int64_t state_milliseconds = 0;
   std::uint64_t state_message = 0;
-  bool is_overdue = false;               // no state for too long, which was said
-  std::vector<SentOrder> sent;           // not yet accepted by a state, the newest last
+  bool is_overdue = false;                          // no state for too long, which was said
+  std::map<std::string, std::uint32_t> update_ids;  // the largest that was sent for each order
+  std::vector<SentOrder> sent;                      // not yet accepted by a state, the newest last
   std::vector<SentInstantAction> instant_actions;
   std::map<std::string, std::string> action_places;  // of each id: "instant", or its order's id
   KnownRoute route;

@@ -7,11 +7,13 @@
 namespace troupe::fleet {
 namespace {
 
-constexpr std::size_t kMostSent = 64;           // orders and instant actions that are remembered for a vehicle
+constexpr std::size_t kMostSent = 64;  // orders and instant actions that are remembered for a vehicle
 constexpr std::size_t kMostActionIds = 20'000;
+constexpr std::size_t kMostOrders = 10'000;
 
 bool IsModeForOrders(OperatingMode mode) {
-  return mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic || mode == OperatingMode::kIntervened;
+  return mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic ||
+         mode == OperatingMode::kIntervened;
 }
 
 const Node& BaseEnd(const Order& order) {
@@ -30,7 +32,8 @@ void JudgeActionId(MessageJudge& judge, const Action& action, const std::string&
   if (places.size() >= kMostActionIds) places.clear();
   const auto [known, is_new] = places.emplace(action.id, place);
   if (!is_new && known->second != place) {
-    judge.Break(Rule::kActionIdsUnique, "the actionId '" + action.id + "' of " + place + ", which was used by " + known->second,
+    judge.Break(Rule::kActionIdsUnique,
+                "the actionId '" + action.id + "' of " + place + ", which was used by " + known->second,
                 "an id of its own");
   }
 }
@@ -38,19 +41,13 @@ void JudgeActionId(MessageJudge& judge, const Action& action, const std::string&
 void JudgeUpdate(MessageJudge& judge, const Order& order) {
   const VehicleRecord& record = judge.record;
   std::vector<const Node*> ends;
-  std::uint32_t newest = 0;
+  const std::uint32_t newest = record.update_ids.at(order.order_id);
   const Order* newest_order = nullptr;
-  if (record.route.is_known && record.route.order_id == order.order_id) {
-    ends.push_back(&record.route.end_node);
-    newest = record.route.order_update_id;
-  }
+  if (record.route.is_known && record.route.order_id == order.order_id) ends.push_back(&record.route.end_node);
   for (const VehicleRecord::SentOrder& sent : record.sent) {
     if (sent.order.order_id != order.order_id) continue;
     ends.push_back(&BaseEnd(sent.order));
-    if (sent.order.order_update_id >= newest) {
-      newest = sent.order.order_update_id;
-      newest_order = &sent.order;
-    }
+    if (sent.order.order_update_id == newest) newest_order = &sent.order;
   }
   if (order.order_update_id < newest) {
     return judge.Break(Rule::kUpdateIdGrows, "orderUpdateId " + std::to_string(order.order_update_id),
@@ -65,13 +62,13 @@ void JudgeUpdate(MessageJudge& judge, const Order& order) {
   if (record.cancelled_order_id == order.order_id) {
     judge.Break(Rule::kNoUpdateAfterCancel, "an update of the order '" + order.order_id + "', which is cancelled");
   }
+  if (ends.empty()) return;  // its base is not known
   const Node& first = order.nodes.front();
   const auto end = std::find_if(ends.begin(), ends.end(), [&](const Node* node) {
     return node->id == first.id && node->sequence_id == first.sequence_id;
   });
   if (end == ends.end()) {
-    judge.Break(Rule::kUpdateContinuesBase, NameOfNode(first) + " first",
-                ends.empty() ? "the last node of the base" : NameOfNode(*ends.back()));
+    judge.Break(Rule::kUpdateContinuesBase, NameOfNode(first) + " first", NameOfNode(*ends.back()));
   } else if (**end != first) {
     judge.Break(Rule::kStitchingNodeUnchanged, NameOfNode(first) + " with other content");
   }
@@ -107,7 +104,8 @@ void JudgeOrder(MessageJudge& judge, const Order& order) {
     return judge.Break(Rule::kOrderForm, faults.front().ToString());
   }
   if (record.state && !IsModeForOrders(record.state->operating_mode)) {
-    judge.Break(Rule::kOrdersInModes, "an order in the mode " + TextOf(record.state->operating_mode, judge.options.version));
+    judge.Break(Rule::kOrdersInModes,
+                "an order in the mode " + TextOf(record.state->operating_mode, judge.options.version));
   }
   if (record.factsheet) {
     const SupportFaults faults = CheckSupport(order, *record.factsheet);
@@ -121,21 +119,22 @@ void JudgeOrder(MessageJudge& judge, const Order& order) {
   for (const Edge& edge : order.edges) {
     for (const Action& action : edge.actions) JudgeActionId(judge, action, "order '" + order.order_id + "'");
   }
-  const bool is_route = record.route.is_known && record.route.order_id == order.order_id;
-  const bool was_sent = std::any_of(record.sent.begin(), record.sent.end(), [&](const VehicleRecord::SentOrder& sent) {
-    return sent.order.order_id == order.order_id;
-  });
+  const bool was_sent = record.update_ids.contains(order.order_id);
   // An order that the vehicle had before the checker came is not known.
-  const bool is_strange = !is_route && !was_sent && record.state && record.state->order_id == order.order_id;
-  if (is_route || was_sent) {
+  const bool is_strange = !was_sent && record.state && record.state->order_id == order.order_id;
+  if (was_sent) {
     JudgeUpdate(judge, order);
   } else if (!is_strange) {
     JudgeNewOrder(judge, order);
   }
+  if (record.update_ids.size() >= kMostOrders) record.update_ids.clear();
+  std::uint32_t& newest = record.update_ids[order.order_id];
+  newest = std::max(newest, order.order_update_id);
   const bool is_resend = std::any_of(record.sent.begin(), record.sent.end(), [&](const VehicleRecord::SentOrder& sent) {
     return HaveSameContent(sent.order, order);
   });
-  const bool is_accepted = is_route && order.order_update_id <= record.route.order_update_id;
+  const bool is_accepted = record.route.is_known && record.route.order_id == order.order_id &&
+                           order.order_update_id <= record.route.order_update_id;
   if (is_resend || is_accepted) return;
   if (record.sent.size() >= kMostSent) record.sent.erase(record.sent.begin());
   record.sent.push_back({order, judge.message, judge.milliseconds, false});
@@ -155,7 +154,8 @@ void JudgeInstantActions(MessageJudge& judge, const InstantActions& message) {
       const OperatingMode mode = record.state->operating_mode;
       const bool is_allowed = mode == OperatingMode::kIntervened ? action.type == "cancelOrder" : IsModeForOrders(mode);
       if (!is_allowed) {
-        judge.Break(Rule::kInstantActionsInModes, "'" + action.type + "' in the mode " + TextOf(mode, judge.options.version));
+        judge.Break(Rule::kInstantActionsInModes,
+                    "'" + action.type + "' in the mode " + TextOf(mode, judge.options.version));
       }
     }
     const bool is_known = std::any_of(record.instant_actions.begin(), record.instant_actions.end(),

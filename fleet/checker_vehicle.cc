@@ -18,11 +18,12 @@ bool IsAutomatic(OperatingMode mode) {
 bool IsRejection(std::string_view type, Version version) {
   constexpr std::string_view kOlder[] = {"validationError", "orderError", "orderUpdateError", "noRouteError"};
   // MOBILE_ROBOT_NOT_AVAILABLE ends with the mode.
-  constexpr std::string_view kNewer[] = {"VALIDATION_FAILURE",   "UNSUPPORTED_PARAMETER", "INVALID_ORDER_ACTION",
-                                         "OUTDATED_ORDER_UPDATE", "SAME_ORDER_UPDATE_ID",  "ORDER_UPDATE_FOLLOWING_CANCEL",
-                                         "INSUFFICIENT_MEMORY",  "NO_ROUTE_TO_TARGET",    "OTHER_ORDER_ACTIVE",
-                                         "START_NODE_OUT_OF_RANGE", "UNKNOWN_MAP_ID"};
-  const std::span<const std::string_view> types = IsBefore3(version) ? std::span(kOlder) : std::span<const std::string_view>(kNewer);
+  constexpr std::string_view kNewer[] = {
+      "VALIDATION_FAILURE",   "UNSUPPORTED_PARAMETER",         "INVALID_ORDER_ACTION", "OUTDATED_ORDER_UPDATE",
+      "SAME_ORDER_UPDATE_ID", "ORDER_UPDATE_FOLLOWING_CANCEL", "INSUFFICIENT_MEMORY",  "NO_ROUTE_TO_TARGET",
+      "OTHER_ORDER_ACTIVE",   "START_NODE_OUT_OF_RANGE",       "UNKNOWN_MAP_ID"};
+  const std::span<const std::string_view> types =
+      IsBefore3(version) ? std::span(kOlder) : std::span<const std::string_view>(kNewer);
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
@@ -82,7 +83,8 @@ void Accept(VehicleRecord& record, std::size_t i) {
     for (std::size_t j = i; j > 0; --j) {
       const Order& before = record.sent[j - 1].order;
       if (before.order_id != order.order_id) continue;
-      const auto end = std::find_if(before.nodes.rbegin(), before.nodes.rend(), [](const Node& node) { return node.released; });
+      const auto end =
+          std::find_if(before.nodes.rbegin(), before.nodes.rend(), [](const Node& node) { return node.released; });
       if (end->id != order.nodes.front().id || end->sequence_id != order.nodes.front().sequence_id) continue;
       Accept(record, j - 1);
       break;
@@ -92,8 +94,9 @@ void Accept(VehicleRecord& record, std::size_t i) {
       record.route.is_known = false;
       return;
     }
-  } else if (order.nodes.front().sequence_id != 0 && !(record.route.is_known && record.route.order_id == order.order_id) &&
-             order.order_update_id != 0 && record.state && record.state->order_id == order.order_id) {
+  } else if (order.nodes.front().sequence_id != 0 &&
+             !(record.route.is_known && record.route.order_id == order.order_id) && order.order_update_id != 0 &&
+             record.state && record.state->order_id == order.order_id) {
     return;  // an update of an order that is older than the checker
   }
   ExtendRoute(record.route, order);
@@ -103,8 +106,8 @@ void Accept(VehicleRecord& record, std::size_t i) {
 bool JudgeAcceptance(MessageJudge& judge, const State& state) {
   VehicleRecord& record = judge.record;
   const bool is_first = !record.state.has_value();
-  const bool has_changed = !is_first && (record.state->order_id != state.order_id ||
-                                         record.state->order_update_id != state.order_update_id);
+  const bool has_changed =
+      !is_first && (record.state->order_id != state.order_id || record.state->order_update_id != state.order_update_id);
   if (!is_first && !has_changed) return false;
   for (std::size_t i = record.sent.size(); i > 0; --i) {
     const Order& order = record.sent[i - 1].order;
@@ -120,8 +123,8 @@ bool JudgeAcceptance(MessageJudge& judge, const State& state) {
     judge.Break(Rule::kUpdateIdKept, "orderUpdateId " + std::to_string(state.order_update_id),
                 "at least " + std::to_string(record.state->order_update_id));
   } else {
-    judge.Break(Rule::kOrderWasSent, "the order '" + state.order_id + "' with orderUpdateId " +
-                                         std::to_string(state.order_update_id));
+    judge.Break(Rule::kOrderWasSent,
+                "the order '" + state.order_id + "' with orderUpdateId " + std::to_string(state.order_update_id));
   }
   return true;
 }
@@ -133,23 +136,27 @@ void JudgeSequence(MessageJudge& judge, const State& state) {
   const std::vector<EdgeState>& edges = state.edge_states;
   for (std::size_t i = 1; i < nodes.size(); ++i) {
     if (nodes[i].sequence_id <= nodes[i - 1].sequence_id) {
-      return judge.Break(Rule::kStateSequence, "node " + PlaceText(nodes[i].node_id, nodes[i].sequence_id) + " behind " +
+      return judge.Break(Rule::kStateSequence, "node " + PlaceText(nodes[i].node_id, nodes[i].sequence_id) +
+                                                   " behind " +
                                                    PlaceText(nodes[i - 1].node_id, nodes[i - 1].sequence_id));
     }
     if (nodes[i].released && !nodes[i - 1].released) {
-      return judge.Break(Rule::kStateSequence, "the released node " + PlaceText(nodes[i].node_id, nodes[i].sequence_id) +
-                                                   " behind an unreleased one");
+      return judge.Break(
+          Rule::kStateSequence,
+          "the released node " + PlaceText(nodes[i].node_id, nodes[i].sequence_id) + " behind an unreleased one");
     }
   }
   for (std::size_t i = 1; i < edges.size(); ++i) {
     if (edges[i].sequence_id <= edges[i - 1].sequence_id || (edges[i].released && !edges[i - 1].released)) {
-      return judge.Break(Rule::kStateSequence, "edge " + PlaceText(edges[i].edge_id, edges[i].sequence_id) + " behind " +
+      return judge.Break(Rule::kStateSequence, "edge " + PlaceText(edges[i].edge_id, edges[i].sequence_id) +
+                                                   " behind " +
                                                    PlaceText(edges[i - 1].edge_id, edges[i - 1].sequence_id));
     }
   }
   // Some vehicles list the first node until they have reached it.
   if (edges.size() != nodes.size() && edges.size() + 1 != nodes.size()) {
-    judge.Break(Rule::kStateSequence, std::to_string(nodes.size()) + " nodes and " + std::to_string(edges.size()) + " edges",
+    judge.Break(Rule::kStateSequence,
+                std::to_string(nodes.size()) + " nodes and " + std::to_string(edges.size()) + " edges",
                 "an edge to each node");
   }
 }
@@ -171,10 +178,11 @@ void JudgeMode(MessageJudge& judge, const State& state) {
   const bool clears = mode == OperatingMode::kManual ||
                       (judge.is_3() && (mode == OperatingMode::kService || mode == OperatingMode::kTeachIn));
   if (clears && (!state.node_states.empty() || !state.edge_states.empty())) {
-    judge.Break(Rule::kModeClearsOrder, std::to_string(state.node_states.size()) + " nodes in the mode " +
-                                            TextOf(mode, judge.options.version));
+    judge.Break(Rule::kModeClearsOrder,
+                std::to_string(state.node_states.size()) + " nodes in the mode " + TextOf(mode, judge.options.version));
   }
-  if (mode != OperatingMode::kAutomatic && mode != OperatingMode::kSemiautomatic && mode != OperatingMode::kIntervened) {
+  if (mode != OperatingMode::kAutomatic && mode != OperatingMode::kSemiautomatic &&
+      mode != OperatingMode::kIntervened) {
     judge.record.cancelled_order_id = state.order_id;
   }
 }
@@ -196,8 +204,9 @@ void JudgeRoute(MessageJudge& judge, const State& state) {
   const auto last = route.nodes.find(state.last_node_sequence_id);
   if (last == route.nodes.end() || last->second.id != state.last_node_id) return;
   if (!last->second.is_released) {
-    judge.Break(Rule::kOnlyBaseTraversed, "the unreleased node " + PlaceText(state.last_node_id, state.last_node_sequence_id) +
-                                              " as the last one");
+    judge.Break(
+        Rule::kOnlyBaseTraversed,
+        "the unreleased node " + PlaceText(state.last_node_id, state.last_node_sequence_id) + " as the last one");
   }
   if (record.cancelled_order_id == state.order_id) return;
   for (auto node = std::next(last); node != route.nodes.end(); ++node) {
@@ -214,14 +223,15 @@ void JudgeTraversal(MessageJudge& judge, const State& state, bool has_new_order)
                            last->second.id == state.last_node_id;
   for (const NodeState& node : state.node_states) {
     if (is_on_route && node.sequence_id <= state.last_node_sequence_id) {
-      judge.Break(Rule::kTraversalInSequence, "node " + PlaceText(node.node_id, node.sequence_id) + " still ahead, behind " +
+      judge.Break(Rule::kTraversalInSequence, "node " + PlaceText(node.node_id, node.sequence_id) +
+                                                  " still ahead, behind " +
                                                   PlaceText(state.last_node_id, state.last_node_sequence_id));
     }
   }
   const std::optional<State>& before = judge.record.state;
   if (!before || before->order_id != state.order_id || has_new_order) return;
-  const bool is_same = before->last_node_id == state.last_node_id &&
-                       before->last_node_sequence_id == state.last_node_sequence_id;
+  const bool is_same =
+      before->last_node_id == state.last_node_id && before->last_node_sequence_id == state.last_node_sequence_id;
   // A position that is set changes it, while there is no order.
   if (is_same || before->node_states.empty()) return;
   const auto passed = std::find_if(before->node_states.begin(), before->node_states.end(), [&](const NodeState& node) {
@@ -229,11 +239,13 @@ void JudgeTraversal(MessageJudge& judge, const State& state, bool has_new_order)
   });
   if (passed == before->node_states.end()) {
     if (state.node_states.empty()) return;  // cleared, and set since
-    judge.Break(Rule::kTraversalInSequence, "the last node " + PlaceText(state.last_node_id, state.last_node_sequence_id),
+    judge.Break(Rule::kTraversalInSequence,
+                "the last node " + PlaceText(state.last_node_id, state.last_node_sequence_id),
                 "one of the nodes ahead");
   } else if (!passed->released) {
-    judge.Break(Rule::kOnlyBaseTraversed, "the unreleased node " + PlaceText(state.last_node_id, state.last_node_sequence_id) +
-                                              " as the last one");
+    judge.Break(
+        Rule::kOnlyBaseTraversed,
+        "the unreleased node " + PlaceText(state.last_node_id, state.last_node_sequence_id) + " as the last one");
   }
 }
 
@@ -298,16 +310,17 @@ void JudgeBlocking(MessageJudge& judge, const State& state) {
 
 bool IsExplained(const State& state, const std::string& action_id) {
   return std::any_of(state.errors.begin(), state.errors.end(), [&](const VehicleError& error) {
-    return error.references && std::any_of(error.references->begin(), error.references->end(), [&](const Reference& reference) {
+    return error.references &&
+           std::any_of(error.references->begin(), error.references->end(), [&](const Reference& reference) {
              return reference.key == "actionId" && reference.value == action_id;
            });
   });
 }
 
 void JudgeCancel(MessageJudge& judge, const State& state, const Action& action) {
-  const bool is_unfinished = std::any_of(state.action_states.begin(), state.action_states.end(), [&](const ActionState& each) {
-    return !IsFinal(each.status) && !IsInstant(each.action_id, judge.record);
-  });
+  const bool is_unfinished = std::any_of(
+      state.action_states.begin(), state.action_states.end(),
+      [&](const ActionState& each) { return !IsFinal(each.status) && !IsInstant(each.action_id, judge.record); });
   // A person who has taken the vehicle over moves it.
   const bool drives = state.driving && IsAutomatic(state.operating_mode);
   if (!state.node_states.empty() || !state.edge_states.empty() || is_unfinished || drives) {
@@ -356,7 +369,8 @@ void JudgeRejections(MessageJudge& judge, const State& state, bool has_new_order
   for (VehicleRecord::SentOrder& sent : judge.record.sent) {
     const auto names_order = [&](const VehicleError& error) {
       if (!IsRejection(error.type, version) && error.type != "MOBILE_ROBOT_NOT_AVAILABLE") return false;
-      return !error.references || std::any_of(error.references->begin(), error.references->end(), [&](const Reference& each) {
+      return !error.references ||
+             std::any_of(error.references->begin(), error.references->end(), [&](const Reference& each) {
                return each.key == "orderId" && each.value == sent.order.order_id;
              });
     };
@@ -367,7 +381,8 @@ void JudgeRejections(MessageJudge& judge, const State& state, bool has_new_order
     if (!IsRejection(was.type, version)) continue;
     const bool is_there = std::any_of(state.errors.begin(), state.errors.end(),
                                       [&](const VehicleError& error) { return error.type == was.type; });
-    if (!is_there) judge.Break(Rule::kRejectionKept, "no error '" + was.type + "' any more, and no order accepted since");
+    if (!is_there)
+      judge.Break(Rule::kRejectionKept, "no error '" + was.type + "' any more, and no order accepted since");
   }
 }
 
@@ -388,7 +403,8 @@ bool IsBusy(const State& state, const VehicleRecord& record) {
 void JudgeState(MessageJudge& judge, const State& state) {
   VehicleRecord& record = judge.record;
   if (record.connection && *record.connection != ConnectionState::kOnline) {
-    judge.Break(Rule::kOnlineBeforeState, "a state while the connection is " + TextOf(*record.connection, judge.options.version));
+    judge.Break(Rule::kOnlineBeforeState,
+                "a state while the connection is " + TextOf(*record.connection, judge.options.version));
   }
   const bool has_new_order = JudgeAcceptance(judge, state);
   JudgeSequence(judge, state);
@@ -418,8 +434,9 @@ void JudgeTime(MessageJudge& judge) {
   for (VehicleRecord::SentOrder& sent : record.sent) {
     if (sent.is_answered || sent.milliseconds >= late) continue;
     sent.is_answered = true;
-    judge.BreakAt(Rule::kOrderAnswered, sent.message, "no state that accepts or rejects the order '" + sent.order.order_id +
-                                                          "', orderUpdateId " + std::to_string(sent.order.order_update_id));
+    judge.BreakAt(Rule::kOrderAnswered, sent.message,
+                  "no state that accepts or rejects the order '" + sent.order.order_id + "', orderUpdateId " +
+                      std::to_string(sent.order.order_update_id));
   }
   for (VehicleRecord::SentInstantAction& sent : record.instant_actions) {
     if (sent.is_reported || sent.milliseconds >= late) continue;

@@ -27,11 +27,21 @@ void AppendQuoted(std::string_view text, std::string& json) {
 void AppendJson(const JsonNode& node, std::string& json) {
   using Kind = JsonNode::Kind;
   switch (node.kind) {
-    case Kind::kNull: json += "null"; break;
-    case Kind::kFalse: json += "false"; break;
-    case Kind::kTrue: json += "true"; break;
-    case Kind::kNumber: json += node.text; break;
-    case Kind::kString: AppendQuoted(node.text, json); break;
+    case Kind::kNull:
+      json += "null";
+      break;
+    case Kind::kFalse:
+      json += "false";
+      break;
+    case Kind::kTrue:
+      json += "true";
+      break;
+    case Kind::kNumber:
+      json += node.text;
+      break;
+    case Kind::kString:
+      AppendQuoted(node.text, json);
+      break;
     case Kind::kArray:
     case Kind::kObject: {
       const bool is_object = node.is_object();
@@ -265,7 +275,8 @@ void MessageReader::NeedTime(MemberName name, std::string& text) {
   if (faults_.size() > faults || (may_miss_ && text.empty())) return;
   const std::size_t length = Enter(name.older);
   if (version_ && !ParseTimestamp(text)) {
-    FailWith("found the string '" + std::string(CutUtf8(text, 40)) + "', expected a time such as 2026-01-31T12:00:00.00Z");
+    FailWith("found the string '" + std::string(CutUtf8(text, 40)) +
+             "', expected a time such as 2026-01-31T12:00:00.00Z");
   } else if (version_ && !text.ends_with('Z')) {
     NoteAt(Lenience::kTimestampForm, pointer_);
   }
@@ -279,7 +290,8 @@ void MessageReader::NeedVersion(MemberName name, std::string& text) {
   const std::size_t length = Enter(name.older);
   const std::optional<Version> found = FindVersion(text);
   if (version_ && (!found || IsBefore3(*found) != IsBefore3(*version_))) {
-    FailWith("found the string '" + std::string(CutUtf8(text, 40)) + "', expected " + (has_newer() ? "3" : "2") + ".x.y");
+    FailWith("found the string '" + std::string(CutUtf8(text, 40)) + "', expected " + (has_newer() ? "3" : "2") +
+             ".x.y");
   }
   pointer_.resize(length);
 }

@@ -2,8 +2,8 @@
 // send them. Each deviation that reading accepts has a name (Lenience); all others are faults with the place in the
 // message (a JSON pointer, RFC 6901), what was found there and what was expected.
 //
-// Messages come from the network: size, number of values and depth are limited before memory is spent, and a fault never
-// throws. Members that the standard does not have are ignored, as it says.
+// Messages come from the network: size, number of values and depth are limited before memory is spent, and a fault
+// never throws. Members that the standard does not have are ignored, as it says.
 #pragma once
 
 #include <array>
@@ -31,21 +31,21 @@ struct MessageFault {
 };
 
 enum class Lenience : std::uint8_t {
-  kNumberAsString,     // "3.5" for 3.5
-  kBooleanAsString,    // "true" for true
-  kBooleanAsNumber,    // 1 for true
-  kStringAsNumber,     // 17 for "17"
-  kNullForMissing,     // null for a member that may be missing
-  kMissingList,        // no member for an empty list
-  kOtherName,          // the name of another version: actionName, allowedDeviationXy, nodeDescriptor
-  kOtherForm,          // the form of another version: a number for an ellipse
+  kNumberAsString,       // "3.5" for 3.5
+  kBooleanAsString,      // "true" for true
+  kBooleanAsNumber,      // 1 for true
+  kStringAsNumber,       // 17 for "17"
+  kNullForMissing,       // null for a member that may be missing
+  kMissingList,          // no member for an empty list
+  kOtherName,            // the name of another version: actionName, allowedDeviationXy, nodeDescriptor
+  kOtherForm,            // the form of another version: a number for an ellipse
   kEnumerationSpelling,  // "none" for NONE, CONNECTION_BROKEN for CONNECTIONBROKEN
-  kAngleOutOfRange,    // 4.0 for 4.0 - 2 pi
-  kTimestampForm,      // without a Z, or with an offset
+  kAngleOutOfRange,      // 4.0 for 4.0 - 2 pi
+  kTimestampForm,        // without a Z, or with an offset
 };
 constexpr auto NamesOf(Lenience) {
-  return std::array{"number_as_string",  "boolean_as_string",    "boolean_as_number",  "string_as_number",
-                    "null_for_missing",  "missing_list",         "other_name",         "other_form",
+  return std::array{"number_as_string",     "boolean_as_string",  "boolean_as_number", "string_as_number",
+                    "null_for_missing",     "missing_list",       "other_name",        "other_form",
                     "enumeration_spelling", "angle_out_of_range", "timestamp_form"};
 }
 
@@ -77,8 +77,8 @@ struct Decoded {
 template <typename Message>
 Decoded<Message> Decode(std::string_view payload, Version version, const DecodeLimits& limits = {});
 
-// One line of JSON. REQUIRES: numbers are finite. What the version has no value for (a mode, a level) becomes the nearest
-// that it has.
+// One line of JSON. REQUIRES: numbers are finite. What the version has no value for (a mode, a level) becomes the
+// nearest that it has.
 template <typename Message>
 std::string Encode(const Message& message, Version version);
 

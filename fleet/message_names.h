@@ -1,5 +1,5 @@
-// The names of enumerations in messages. The model has the values of all versions; where a version lacks one, it has the
-// nearest. Names before 3.0 have no underscores.
+// The names of enumerations in messages. The model has the values of all versions; where a version lacks one, it has
+// the nearest. Names before 3.0 have no underscores.
 #pragma once
 
 #include <string>

@@ -126,7 +126,8 @@ class MessageReader {
     if (node.is_string()) {
       for (std::size_t i = 0; i < NamesOf(Value()).size(); ++i) {
         const Value each = static_cast<Value>(i);
-        const int likeness = LikenessOf(node.text, NameOf(each), version_ ? TextOf(each, *version_) : std::string(NameOf(each)));
+        const int likeness =
+            LikenessOf(node.text, NameOf(each), version_ ? TextOf(each, *version_) : std::string(NameOf(each)));
         if (likeness == 0) continue;
         if (likeness == 1) Note(Lenience::kEnumerationSpelling, node);
         value = each;
@@ -151,9 +152,7 @@ class MessageReader {
   }
   template <typename Row>
   requires std::is_class_v<Row>
-  void ReadValue(const JsonNode& node, Row& row, const NumberRange& /*range*/) {
-    Read(node, row);
-  }
+  void ReadValue(const JsonNode& node, Row& row, const NumberRange& /*range*/) { Read(node, row); }
 
   // The number of a node, or of a string; nothing, which is a fault, if it is none.
   std::optional<double> NumberOf(const JsonNode& node, std::string_view expected);

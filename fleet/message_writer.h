@@ -95,9 +95,7 @@ class MessageWriter {
   }
   template <typename Row>
   requires std::is_class_v<Row>
-  void WriteValue(const Row& row) {
-    Write(row);
-  }
+  void WriteValue(const Row& row) { Write(row); }
 
   std::optional<Version> version_;
   JsonWriter json_;

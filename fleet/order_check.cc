@@ -103,7 +103,8 @@ std::string_view NewerParameter(std::string_view parameter) {
   return parameter;
 }
 
-// Members that mean the same whether or not a vehicle names them: where a node is, and how exactly it has to be reached.
+// Members that mean the same whether or not a vehicle names them: where a node is, and how exactly it has to be
+// reached.
 bool IsAlwaysSupported(std::string_view parameter) {
   return parameter == "order.nodes.nodePosition" || parameter == "order.nodes.nodePosition.allowedDeviationXY";
 }
@@ -231,9 +232,9 @@ std::vector<MessageFault> CheckOrder(const Order& order, Version version) {
       CheckActionIds(edge.actions, At("edges", i - 1, "actions"), action_ids, faults);
     }
     if (node.sequence_id != first + 2 * i) {
-      faults.Add(At("nodes", i, "sequenceId"),
-                 "found " + std::to_string(node.sequence_id) + ", expected " + std::to_string(first + 2 * i) +
-                     ": two more than the node before it");
+      faults.Add(At("nodes", i, "sequenceId"), "found " + std::to_string(node.sequence_id) + ", expected " +
+                                                   std::to_string(first + 2 * i) +
+                                                   ": two more than the node before it");
     }
     if (node.id.empty()) faults.Add(At("nodes", i, "nodeId"), "found an empty id, expected one");
     if (node.released && !is_base) {

@@ -1,5 +1,6 @@
-// What is wrong with an order or with instant actions as such (CheckOrder, CheckInstantActions), and what of it a vehicle
-// cannot do (CheckSupport). Pure functions of a message and a factsheet; the vehicle and the checker both use them.
+// What is wrong with an order or with instant actions as such (CheckOrder, CheckInstantActions), and what of it a
+// vehicle cannot do (CheckSupport). Pure functions of a message and a factsheet; the vehicle and the checker both use
+// them.
 #pragma once
 
 #include <string>
@@ -18,7 +19,8 @@ namespace troupe::fleet {
 std::vector<MessageFault> CheckOrder(const Order& order, Version version);
 std::vector<MessageFault> CheckInstantActions(const InstantActions& actions);
 
-// The degree of a curve, and its knots; those of a uniform clamped curve if it has none. Sizes as CheckOrder wants them.
+// The degree of a curve, and its knots; those of a uniform clamped curve if it has none. Sizes as CheckOrder wants
+// them.
 std::uint32_t DegreeOf(const Trajectory& trajectory);
 std::vector<double> KnotsOf(const Trajectory& trajectory);
 
@@ -38,8 +40,8 @@ struct SupportFaults {
 // turns; descriptions are not.
 SupportFaults CheckSupport(const Order& order, const Factsheet& factsheet);
 
-// Why the vehicle cannot execute an action in a scope; empty: it can. Parameters have to be there and of their types, with
-// the leniencies of ParameterValue; those that the factsheet does not have are ignored.
+// Why the vehicle cannot execute an action in a scope; empty: it can. Parameters have to be there and of their types,
+// with the leniencies of ParameterValue; those that the factsheet does not have are ignored.
 std::string WhyUnsupported(const Action& action, ActionScope scope, const Factsheet& factsheet);
 
 }  // namespace troupe::fleet

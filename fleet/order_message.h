@@ -1,5 +1,5 @@
-// The messages of VDA 5050 to a vehicle as plain values: orders and instant actions. One model for the versions 2.0, 2.1
-// and 3.0; codec.h reads and writes the JSON of each.
+// The messages of VDA 5050 to a vehicle as plain values: orders and instant actions. One model for the
+// versions 2.0, 2.1 and 3.0; codec.h reads and writes the JSON of each.
 //
 // Names are those of version 3.0 in the project's style. An optional member is one that a message may lack. Frames and
 // units are the standard's: metres, seconds, radians; x and y in the frame of the map, counter-clockwise positive.
@@ -28,11 +28,11 @@ std::optional<Version> FindVersion(std::string_view text);
 // "2.1.0", as headers have it.
 std::string VersionText(Version version);
 
-// The time of a message in milliseconds since 1970-01-01 (UTC), of ISO 8601 with any number of digits behind the seconds;
-// nothing if the text has no such form.
+// The time of a message in milliseconds since 1970-01-01 (UTC), of ISO 8601 with any number of digits behind the
+// seconds; nothing if the text has no such form.
 std::optional<std::int64_t> ParseTimestamp(std::string_view text);
-// With two digits behind the seconds before version 3.0, then three, as the standard says. Times before the year 1970 and
-// after 9999 become the nearest that can be written.
+// With two digits behind the seconds before version 3.0, then three, as the standard says. Times before the year 1970
+// and after 9999 become the nearest that can be written.
 std::string FormatTimestamp(std::int64_t milliseconds, Version version);
 
 // The first members of every message.
@@ -139,7 +139,7 @@ struct ControlPoint {
 
 // A NURBS curve that begins and ends at its first and last control point. Before 3.0 a message has degree and knots.
 struct Trajectory {
-  std::optional<std::uint32_t> degree;              // 1
+  std::optional<std::uint32_t> degree;             // 1
   std::optional<std::vector<double>> knot_vector;  // from 0 to 1; missing: uniform and clamped
   std::vector<ControlPoint> control_points;
 

@@ -34,8 +34,8 @@ constexpr OrderRow kTable[] = {
      "SAME_ORDER_UPDATE_ID"},
 
     // What the vehicle can do at all.
-    {"mode_without_orders", "an operating mode that takes no orders", [](const Facts& f) { return !f.is_mode_for_orders; },
-     kReject, "orderError", "MOBILE_ROBOT_NOT_AVAILABLE"},
+    {"mode_without_orders", "an operating mode that takes no orders",
+     [](const Facts& f) { return !f.is_mode_for_orders; }, kReject, "orderError", "MOBILE_ROBOT_NOT_AVAILABLE"},
     {"fatal_error", "the vehicle has a fatal error", [](const Facts& f) { return f.has_fatal_error; }, kReject,
      "orderError", "MOBILE_ROBOT_NOT_AVAILABLE"},
     {"too_long", "longer than the limits of the factsheet", [](const Facts& f) { return !f.fits_limits; }, kReject,
@@ -68,8 +68,8 @@ constexpr OrderRow kTable[] = {
      [](const Facts& f) { return f.is_busy; }, kReject, "orderUpdateError", "VALIDATION_FAILURE"},
     {"update_of_finished", "same order, larger update id, idle, begins at the last node",
      [](const Facts& f) { return f.continues; }, kAcceptUpdate},
-    {"update_breaks_finished", "same order, larger update id, idle, begins elsewhere", [](const Facts&) { return true; },
-     kReject, "orderUpdateError", "VALIDATION_FAILURE"},
+    {"update_breaks_finished", "same order, larger update id, idle, begins elsewhere",
+     [](const Facts&) { return true; }, kReject, "orderUpdateError", "VALIDATION_FAILURE"},
 };
 
 }  // namespace

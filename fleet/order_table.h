@@ -1,5 +1,5 @@
-// The decision about an order that a vehicle receives, as one table: the first row whose condition holds decides. Sources:
-// VDA 5050 2.1, section 6.6 with figure 8, and 3.0, section 6.1 with figure 8.
+// The decision about an order that a vehicle receives, as one table: the first row whose condition holds decides.
+// Sources: VDA 5050 2.1, section 6.6 with figure 8, and 3.0, section 6.1 with figure 8.
 //
 // OrderFacts are the questions of the table, answered by FactsOf (vehicle.h) from the memory of a vehicle.
 #pragma once

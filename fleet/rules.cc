@@ -50,7 +50,8 @@ constexpr RuleInfo kRules[] = {
     {Rule::kActionStatesKept, Side::kVehicle, kAll, "action states stay until another order is accepted"},
     {Rule::kActionStatusSequence, Side::kVehicle, kAll,
      "no action waits again after it began, and none changes after its end"},
-    {Rule::kActionRunsAlone, Side::kVehicle, kAll, "beside a HARD (3.0: or SINGLE) action no other action of the order runs"},
+    {Rule::kActionRunsAlone, Side::kVehicle, kAll,
+     "beside a HARD (3.0: or SINGLE) action no other action of the order runs"},
     {Rule::kStandsForAction, Side::kVehicle, kAll, "the vehicle stands while a SOFT or HARD action runs"},
     {Rule::kPauseStands, Side::kVehicle, kAll, "when startPause is FINISHED, the vehicle is paused and stands"},
     {Rule::kPauseEnds, Side::kVehicle, kAll, "when stopPause is FINISHED, the vehicle is not paused"},
@@ -58,7 +59,8 @@ constexpr RuleInfo kRules[] = {
      "when cancelOrder is FINISHED, the vehicle stands without nodes, edges and unfinished actions of the order"},
     {Rule::kCancelWithoutOrder, Side::kVehicle, kAll,
      "a failed cancelOrder is explained by an error that there was no order to cancel, with its actionId"},
-    {Rule::kModeClearsOrder, Side::kVehicle, kAll, "in the mode MANUAL (3.0: also SERVICE, TEACH_IN) there is no order"},
+    {Rule::kModeClearsOrder, Side::kVehicle, kAll,
+     "in the mode MANUAL (3.0: also SERVICE, TEACH_IN) there is no order"},
     {Rule::kOneEnabledMap, Side::kVehicle, kSince2_1, "of the versions of a map at most one is ENABLED"},
 };
 

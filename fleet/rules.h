@@ -1,4 +1,5 @@
-// The rules of VDA 5050 that a sequence of messages can be judged by, with the versions that have them. checker.h judges.
+// The rules of VDA 5050 that a sequence of messages can be judged by, with the versions that have them. checker.h
+// judges.
 #pragma once
 
 #include <array>

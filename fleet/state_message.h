@@ -289,8 +289,8 @@ struct State {
   std::optional<std::vector<ZoneRequest>> zone_requests;  // 3.0
   std::optional<std::vector<EdgeRequest>> edge_requests;  // 3.0
   std::optional<double> distance_since_last_node;
-  std::vector<ActionState> action_states;          // until 2.1 with instant actions
-  std::vector<ActionState> instant_action_states;  // 3.0
+  std::vector<ActionState> action_states;                      // until 2.1 with instant actions
+  std::vector<ActionState> instant_action_states;              // 3.0
   std::optional<std::vector<ActionState>> zone_action_states;  // 3.0
   PowerSupply power_supply;
   OperatingMode operating_mode = OperatingMode::kAutomatic;

@@ -26,7 +26,8 @@ bool ClearsOrder(OperatingMode mode) {
 
 // The end of the base: its last node, or the last node that was traversed.
 std::pair<std::string, std::uint32_t> BaseEnd(const VehicleMemory& memory) {
-  const auto last = std::find_if(memory.nodes.rbegin(), memory.nodes.rend(), [](const Node& node) { return node.released; });
+  const auto last =
+      std::find_if(memory.nodes.rbegin(), memory.nodes.rend(), [](const Node& node) { return node.released; });
   if (last != memory.nodes.rend()) return {last->id, last->sequence_id};
   return {memory.last_node_id, memory.last_node_sequence_id};
 }
@@ -63,8 +64,8 @@ bool KnowsMaps(const VehicleMemory& memory, const Order& order) {
   });
 }
 
-// Calls visit(actions, scope, sequence id, released) for the nodes and edges of an order in their sequence; those of the
-// first node only if it is new.
+// Calls visit(actions, scope, sequence id, released) for the nodes and edges of an order in their sequence; those of
+// the first node only if it is new.
 template <typename Visit>
 void ForEachActionList(const Order& order, bool has_first, const Visit& visit) {
   for (std::size_t i = 0; i < order.nodes.size(); ++i) {
@@ -116,7 +117,8 @@ std::vector<Reference> RejectionReferences(const OrderReceived& received, const 
                                        {"orderId", received.order.order_id},
                                        {"orderUpdateId", std::to_string(received.order.order_update_id)}};
   const auto append = [&](const std::vector<Reference>& more) {
-    references.insert(references.end(), more.begin(), more.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(more.size(), 16)));
+    references.insert(references.end(), more.begin(),
+                      more.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(more.size(), 16)));
   };
   if (row.name == "invalid") {
     std::vector<MessageFault> faults = received.faults;
@@ -124,8 +126,9 @@ std::vector<Reference> RejectionReferences(const OrderReceived& received, const 
     for (const MessageFault& fault : faults) references.push_back({"field", fault.ToString()});
   } else if (row.name == "too_long" || row.name == "unsupported_parameter" || row.name == "unsupported_action") {
     const SupportFaults faults = CheckSupport(received.order, profile.factsheet);
-    append(row.name == "too_long" ? faults.lengths
-                                  : row.name == "unsupported_parameter" ? faults.parameters : faults.actions);
+    append(row.name == "too_long"                ? faults.lengths
+           : row.name == "unsupported_parameter" ? faults.parameters
+                                                 : faults.actions);
   } else if (row.name == "start_too_far" || row.name.starts_with("update_breaks")) {
     references.push_back({"nodeId", received.order.nodes.front().id});
     references.push_back({"sequenceId", std::to_string(received.order.nodes.front().sequence_id)});
@@ -149,12 +152,13 @@ void EndErrors(VehicleMemory& memory, bool is_new_order) {
 }
 
 void TrackActions(VehicleMemory& memory, const Order& order, bool has_first) {
-  ForEachActionList(order, has_first,
-                    [&](const std::vector<Action>& actions, ActionScope scope, std::uint32_t sequence_id, bool released) {
-                      for (const Action& action : actions) {
-                        memory.actions.push_back({action, scope, sequence_id, released, ActionStatus::kWaiting, {}});
-                      }
-                    });
+  ForEachActionList(
+      order, has_first,
+      [&](const std::vector<Action>& actions, ActionScope scope, std::uint32_t sequence_id, bool released) {
+        for (const Action& action : actions) {
+          memory.actions.push_back({action, scope, sequence_id, released, ActionStatus::kWaiting, {}});
+        }
+      });
 }
 
 // The first of `nodes` is traversed: the edge before it is left, and its actions are triggered.
@@ -308,9 +312,8 @@ OrderFacts FactsOf(const VehicleMemory& memory, const OrderReceived& received, c
   facts.is_busy = IsBusy(memory);
   const Node& first = order.nodes.front();
   facts.is_start_near = IsNear(memory, first, profile, readings);
-  const auto [end_id, end_sequence_id] = facts.is_busy
-                                             ? BaseEnd(memory)
-                                             : std::pair(memory.last_node_id, memory.last_node_sequence_id);
+  const auto [end_id, end_sequence_id] =
+      facts.is_busy ? BaseEnd(memory) : std::pair(memory.last_node_id, memory.last_node_sequence_id);
   facts.continues = first.id == end_id && first.sequence_id == end_sequence_id;
   return facts;
 }

@@ -1,10 +1,10 @@
-// A vehicle's side of VDA 5050 as a pure state machine: what it remembers of its order (VehicleMemory), what happens to it
-// (VehicleInput), and what follows (Apply). No clock, no messages, no motion: a controller drives to the next node, works
-// on the actions that are started, and tells what has happened.
+// A vehicle's side of VDA 5050 as a pure state machine: what it remembers of its order (VehicleMemory), what happens to
+// it (VehicleInput), and what follows (Apply). No clock, no messages, no motion: a controller drives to the next node,
+// works on the actions that are started, and tells what has happened.
 //
-// The memory is a plain value: a copy of it continues in the same way, and SaveMemory and RestoreMemory keep it as text.
-// What a controller has to do follows from the memory alone: drive if MayDrive, to the first of `nodes`; work on every
-// action that is INITIALIZING or RUNNING; do nothing for the others.
+// The memory is a plain value: a copy of it continues in the same way, and SaveMemory and RestoreMemory keep it as
+// text. What a controller has to do follows from the memory alone: drive if MayDrive, to the first of `nodes`; work on
+// every action that is INITIALIZING or RUNNING; do nothing for the others.
 //
 // Where the standard leaves a choice:
 // - Instant actions start at once, whatever runs. While one runs that is no pause or cancel, its blocking type counts.
@@ -124,7 +124,8 @@ struct InstantActionsReceived {
 struct NodeReached {
   std::uint32_t sequence_id = 0;
 };
-// A started action is RUNNING, PAUSED, FINISHED or FAILED. A failed one that may be tried again becomes RETRIABLE (3.0).
+// A started action is RUNNING, PAUSED, FINISHED or FAILED. A failed one that may be tried again becomes RETRIABLE
+// (3.0).
 struct ActionProgress {
   std::string action_id;
   ActionStatus status = ActionStatus::kRunning;
@@ -134,8 +135,8 @@ struct ActionProgress {
 struct DrivingChanged {
   bool is_driving = false;
 };
-// A person has taken the vehicle over, or has given it back. A mode that clears the order is reported once that is done,
-// and a change back to one that keeps orders has no effect before: it has to be given again.
+// A person has taken the vehicle over, or has given it back. A mode that clears the order is reported once that is
+// done, and a change back to one that keeps orders has no effect before: it has to be given again.
 struct ModeChanged {
   OperatingMode mode = OperatingMode::kAutomatic;
 };
@@ -162,8 +163,8 @@ struct VehicleOutcome {
   bool must_send_factsheet = false;
 };
 
-// Changes the memory by an input. An input that does not fit (a node that is not next, an action that is not started) has
-// no effect.
+// Changes the memory by an input. An input that does not fit (a node that is not next, an action that is not started)
+// has no effect.
 VehicleOutcome Apply(VehicleMemory& memory, const VehicleInput& input, const VehicleProfile& profile,
                      const VehicleReadings& readings);
 

@@ -139,7 +139,8 @@ void Start(VehicleMemory& memory, TrackedAction& tracked) {
 // Whether one has started.
 bool StartQueued(VehicleMemory& memory) {
   bool has_started = false;
-  while (!memory.queue.empty() && IsAutomatic(memory) && !memory.is_paused && !memory.is_clearing && !IsHalted(memory)) {
+  while (!memory.queue.empty() && IsAutomatic(memory) && !memory.is_paused && !memory.is_clearing &&
+         !IsHalted(memory)) {
     bool is_any_started = false;
     bool is_one_alone = false;
     ForEachStarted(memory, [&](const TrackedAction& tracked) {
@@ -175,7 +176,8 @@ bool EndClearing(VehicleMemory& memory, const VehicleProfile& profile) {
   const bool are_final = std::all_of(memory.actions.begin(), memory.actions.end(),
                                      [](const TrackedAction& tracked) { return IsFinal(tracked.status); });
   // A person who takes the vehicle over moves it.
-  const bool has_stopped = memory.wanted_mode || (!memory.is_driving && (profile.stops_between_nodes || !memory.is_on_edge));
+  const bool has_stopped =
+      memory.wanted_mode || (!memory.is_driving && (profile.stops_between_nodes || !memory.is_on_edge));
   if (!are_final || !has_stopped) return false;
   memory.nodes.clear();
   memory.edges.clear();
@@ -344,7 +346,8 @@ void BeginClearing(VehicleMemory& memory, const VehicleProfile& profile) {
 void EnterMode(VehicleMemory& memory, OperatingMode mode, Version version) {
   memory.wanted_mode.reset();
   memory.mode = mode;
-  if (mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic || mode == OperatingMode::kIntervened) {
+  if (mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic ||
+      mode == OperatingMode::kIntervened) {
     return;
   }
   memory.is_at_last_node = false;  // a person may move it
@@ -377,7 +380,8 @@ InstantOutcome ApplyInstantActions(VehicleMemory& memory, const InstantActionsRe
     return outcome;
   }
   const ArrayLimits& limits = profile.factsheet.limits.arrays;
-  const std::uint32_t limit = (IsBefore3(profile.version) ? limits.action_states : limits.instant_action_states).value_or(0);
+  const std::uint32_t limit =
+      (IsBefore3(profile.version) ? limits.action_states : limits.instant_action_states).value_or(0);
   for (const Action& action : received.message.actions) {
     const auto is_known = [&](const TrackedAction& tracked) { return tracked.action.id == action.id; };
     if (std::any_of(memory.instant_actions.begin(), memory.instant_actions.end(), is_known)) continue;
@@ -398,7 +402,8 @@ InstantOutcome ApplyInstantActions(VehicleMemory& memory, const InstantActionsRe
       Execute(memory, tracked, profile, outcome);
     }
     if (tracked.status == ActionStatus::kFailed) continue;
-    std::erase_if(memory.errors, [](const ReportedError& reported) { return reported.end == ErrorEnd::kInstantAction; });
+    std::erase_if(memory.errors,
+                  [](const ReportedError& reported) { return reported.end == ErrorEnd::kInstantAction; });
   }
   return outcome;
 }
@@ -432,7 +437,8 @@ bool MayDrive(const VehicleMemory& memory, const VehicleProfile& profile) {
   if (!IsAutomatic(memory) || memory.is_paused || IsHalted(memory)) return false;
   if (memory.is_clearing && (profile.stops_between_nodes || !memory.is_on_edge)) return false;
   bool stops = false;
-  ForEachStarted(memory, [&](const TrackedAction& tracked) { stops = stops || StopsDriving(tracked.action.blocking_type); });
+  ForEachStarted(memory,
+                 [&](const TrackedAction& tracked) { stops = stops || StopsDriving(tracked.action.blocking_type); });
   if (memory.queue.empty()) return !stops;
   const std::set<std::string_view> queued(memory.queue.begin(), memory.queue.end());
   for (const TrackedAction& tracked : memory.actions) {

@@ -32,15 +32,18 @@ bool NeedsBase(const VehicleMemory& memory, bool is_base_short) {
 
 }  // namespace
 
-// The members of a memory, as texts keep it.
+// The members of a memory, as texts keep it: lists beside those of messages.
 
-template <typename Archive, RowOf<ReportedError> Row>
+template <typename Row, typename Type>
+concept KeptRowOf = RowOf<Row, Type>;
+
+template <typename Archive, KeptRowOf<ReportedError> Row>
 void ListMembers(Archive& a, Row& row) {
   a.Need("error", row.error);
   a.Need("end", row.end);
 }
 
-template <typename Archive, RowOf<TrackedAction> Row>
+template <typename Archive, KeptRowOf<TrackedAction> Row>
 void ListMembers(Archive& a, Row& row) {
   a.Need("action", row.action);
   a.Need("scope", row.scope);
@@ -50,7 +53,7 @@ void ListMembers(Archive& a, Row& row) {
   a.May("result", row.result);
 }
 
-template <typename Archive, RowOf<VehicleMemory> Row>
+template <typename Archive, KeptRowOf<VehicleMemory> Row>
 void ListMembers(Archive& a, Row& row) {
   a.Need("orderId", row.order_id);
   a.Need("orderUpdateId", row.order_update_id);
@@ -112,8 +115,7 @@ State MakeState(const VehicleMemory& memory, const VehicleProfile& profile, cons
   state.new_base_request = NeedsBase(memory, readings.is_base_short);
   state.distance_since_last_node = readings.distance_since_last_node;
   for (const TrackedAction& tracked : memory.actions) state.action_states.push_back(StateOf(tracked));
-  std::vector<ActionState>& instant =
-      IsBefore3(profile.version) ? state.action_states : state.instant_action_states;
+  std::vector<ActionState>& instant = IsBefore3(profile.version) ? state.action_states : state.instant_action_states;
   for (const TrackedAction& tracked : memory.instant_actions) instant.push_back(StateOf(tracked));
   state.power_supply = readings.power_supply;
   state.operating_mode = memory.mode;
@@ -129,7 +131,8 @@ std::vector<std::string_view> ReasonsToSend(const State& last, const State& now)
   };
   add_if(last.order_id != now.order_id, "orderId");
   add_if(last.order_update_id != now.order_update_id, "orderUpdateId");
-  add_if(last.last_node_id != now.last_node_id || last.last_node_sequence_id != now.last_node_sequence_id, "lastNodeId");
+  add_if(last.last_node_id != now.last_node_id || last.last_node_sequence_id != now.last_node_sequence_id,
+         "lastNodeId");
   add_if(last.node_states != now.node_states, "nodeStates");
   add_if(last.edge_states != now.edge_states, "edgeStates");
   add_if(last.action_states != now.action_states, "actionStates");

@@ -24,8 +24,9 @@ enum class ZoneType : std::uint8_t {
   kBidirected
 };
 constexpr auto NamesOf(ZoneType) {
-  return std::array{"BLOCKED", "LINE_GUIDED", "RELEASE", "COORDINATED_REPLANNING", "SPEED_LIMIT",
-                    "ACTION",  "PRIORITY",    "PENALTY", "DIRECTED",               "BIDIRECTED"};
+  return std::array{"BLOCKED",     "LINE_GUIDED", "RELEASE",  "COORDINATED_REPLANNING",
+                    "SPEED_LIMIT", "ACTION",      "PRIORITY", "PENALTY",
+                    "DIRECTED",    "BIDIRECTED"};
 }
 enum class ZoneLoss : std::uint8_t { kStop, kContinue, kEvacuate };
 constexpr auto NamesOf(ZoneLoss) {

@@ -1,11 +1,14 @@
-// Each rule of the checker is broken by one message of an otherwise good sequence, and by no good sequence. reference.py
-// judges random sequences of a vehicle that follows the rules.
+// Each rule of the checker is broken by one message of an otherwise good sequence, and by no good sequence.
+// reference.py judges random sequences of a vehicle that follows the rules.
 #include "fleet/checker.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <set>
 
 #include "fleet/codec.h"
@@ -52,7 +55,9 @@ class Conversation {
     Apply(memory_, input, profile_, readings_);
     Report();
   }
-  void Report() { ReportAs([](State&) {}); }
+  void Report() {
+    ReportAs([](State&) {});
+  }
   // A state as a faulty vehicle would send it.
   void ReportAs(const std::function<void(State&)>& change) {
     State state = MakeState(memory_, profile_, readings_);
@@ -79,7 +84,9 @@ class Conversation {
   Version version() const { return version_; }
 
  private:
-  void Keep(const std::vector<Verdict>& verdicts) { verdicts_.insert(verdicts_.end(), verdicts.begin(), verdicts.end()); }
+  void Keep(const std::vector<Verdict>& verdicts) {
+    verdicts_.insert(verdicts_.end(), verdicts.begin(), verdicts.end());
+  }
 
   const Version version_;
   VehicleProfile profile_;
@@ -118,9 +125,7 @@ std::vector<std::pair<Rule, Play>> BrokenRules() {
        }},
       {Rule::kHeaderIdCounts, [](Conversation& c) { c.ReportAs([](State& s) { s.header.header_id = 9; }); }},
       {Rule::kTimestampGrows,
-       [](Conversation& c) {
-         c.ReportAs([&](State& s) { s.header.timestamp = FormatTimestamp(0, c.version()); });
-       }},
+       [](Conversation& c) { c.ReportAs([&](State& s) { s.header.timestamp = FormatTimestamp(0, c.version()); }); }},
       {Rule::kSenderInTopic, [](Conversation& c) { c.ReportAs([](State& s) { s.header.serial_number = "bela"; }); }},
       {Rule::kOrderForm,
        [](Conversation& c) {
@@ -188,7 +193,8 @@ std::vector<std::pair<Rule, Play>> BrokenRules() {
        }},
       {Rule::kOnlineBeforeState,
        [](Conversation& c) {
-         c.See(Topic::kConnection, Encode(Connection{SampleHeader(c.version()), ConnectionState::kOffline}, c.version()));
+         c.See(Topic::kConnection,
+               Encode(Connection{SampleHeader(c.version()), ConnectionState::kOffline}, c.version()));
          c.Report();
        }},
       {Rule::kStateInterval, [](Conversation& c) { c.Wait(32'000); }},
@@ -264,7 +270,8 @@ std::vector<std::pair<Rule, Play>> BrokenRules() {
            s.last_node_id = "A";
            for (std::size_t i = 1; i < order.nodes.size(); ++i) {
              s.node_states.push_back({order.nodes[i].id, order.nodes[i].sequence_id, {}, order.nodes[i].released, {}});
-             s.edge_states.push_back({order.edges[i - 1].id, order.edges[i - 1].sequence_id, {}, order.edges[i - 1].released, {}});
+             s.edge_states.push_back(
+                 {order.edges[i - 1].id, order.edges[i - 1].sequence_id, {}, order.edges[i - 1].released, {}});
            }
          });
        }},
@@ -341,7 +348,9 @@ std::vector<std::pair<Rule, Play>> BrokenRules() {
 
 class CheckerOf : public testing::TestWithParam<Version> {};
 INSTANTIATE_TEST_SUITE_P(Versions, CheckerOf, testing::Values(Version::k2_0, Version::k2_1, Version::k3_0),
-                         [](const auto& info) { return std::string("V") + NameOf(info.param)[0] + NameOf(info.param)[2]; });
+                         [](const auto& info) {
+                           return std::string("V") + NameOf(info.param)[0] + NameOf(info.param)[2];
+                         });
 
 TEST_P(CheckerOf, EachRuleIsBrokenByItsSequenceInItsVersions) {
   std::set<Rule> seen;
@@ -363,6 +372,27 @@ TEST_P(CheckerOf, EachRuleIsBrokenByItsSequenceInItsVersions) {
 
 TEST(Checker, RulesHaveTheirPlaces) {
   for (std::size_t i = 0; i < Rules().size(); ++i) EXPECT_EQ(Rules()[i].rule, static_cast<Rule>(i));
+}
+
+// docs/vda5050.md has the decision table and the rules as they are.
+TEST(Checker, ThePageListsRowsRulesAndLeniencies) {
+  const char* const folder = std::getenv("TROUPE_SOURCE_DIR");
+  ASSERT_NE(folder, nullptr);
+  std::ifstream file(std::string(folder) + "/docs/vda5050.md");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  const auto code = [](std::string_view text) { return text.empty() ? "-" : "`" + std::string(text) + "`"; };
+  for (const OrderRow& row : OrderTable()) {
+    std::string line = "| `" + std::string(row.name) + "` | " + std::string(row.condition) + " | " +
+                       NameOf(row.verdict) + " | " + code(row.older_error) + " | " + code(row.newer_error);
+    if (row.newer_level != ErrorLevel::kWarning) line += std::string(" (") + NameOf(row.newer_level) + ")";
+    EXPECT_THAT(page, testing::HasSubstr(line + " |\n"));
+  }
+  for (const RuleInfo& info : Rules()) {
+    std::string line = std::string("| `") + NameOf(info.rule) + "` | " + NameOf(info.side) + " |";
+    for (const bool is_in : info.versions) line += is_in ? " x |" : " - |";
+    EXPECT_THAT(page, testing::HasSubstr(line + " " + std::string(info.requirement) + " |\n"));
+  }
+  for (const std::string& name : AllNames<Lenience>()) EXPECT_THAT(page, testing::HasSubstr("`" + name + "`"));
 }
 
 TEST_P(CheckerOf, AGoodConversationBreaksNoRule) {
@@ -408,22 +438,26 @@ TEST_P(CheckerOf, ACheckerThatComesLateKnowsNothingOfTheOrder) {
   Apply(vehicle, OrderReceived{SampleOrder(GetParam(), "o1", 0, "ABC", 2), {}}, profile, SampleReadings());
   State state = MakeState(vehicle, profile, SampleReadings());
   state.header = SampleHeader(GetParam(), 50);
-  EXPECT_THAT(CheckMessage(memory, {"Troupe", "anna", Topic::kState, 0, Encode(state, GetParam())}, options), IsEmpty());
+  EXPECT_THAT(CheckMessage(memory, {"Troupe", "anna", Topic::kState, 0, Encode(state, GetParam())}, options),
+              IsEmpty());
   Order update = SampleOrder(GetParam(), "o1", 1, "BC", 2, 2);
   update.header.header_id = 40;
-  EXPECT_THAT(CheckMessage(memory, {"Troupe", "anna", Topic::kOrder, 100, Encode(update, GetParam())}, options), IsEmpty());
+  EXPECT_THAT(CheckMessage(memory, {"Troupe", "anna", Topic::kOrder, 100, Encode(update, GetParam())}, options),
+              IsEmpty());
   Apply(vehicle, OrderReceived{update, {}}, profile, SampleReadings());
   state = MakeState(vehicle, profile, SampleReadings());
   state.header = SampleHeader(GetParam(), 51, 2'000);
-  const auto verdicts = CheckMessage(memory, {"Troupe", "anna", Topic::kState, 200, Encode(state, GetParam())}, options);
+  const auto verdicts =
+      CheckMessage(memory, {"Troupe", "anna", Topic::kState, 200, Encode(state, GetParam())}, options);
   for (const Verdict& verdict : verdicts) ADD_FAILURE() << verdict.ToString();
 }
 
 TEST(Checker, TheMemoryIsAValue) {
   CheckerOptions options;
   CheckerMemory memory;
-  const ObservedMessage message = {"Troupe", "anna", Topic::kConnection, 0,
-                                   Encode(Connection{SampleHeader(Version::k2_1), ConnectionState::kOnline}, Version::k2_1)};
+  const ObservedMessage message = {
+      "Troupe", "anna", Topic::kConnection, 0,
+      Encode(Connection{SampleHeader(Version::k2_1), ConnectionState::kOnline}, Version::k2_1)};
   CheckMessage(memory, message, options);
   CheckerMemory copy = memory;
   EXPECT_TRUE(copy == memory);

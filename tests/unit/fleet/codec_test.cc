@@ -25,7 +25,8 @@ void ExpectRoundTrip(const Message& message, Version version) {
 TEST(Codec, AllMessagesReadBackTheSame) {
   for (const Version version : kAllVersions) {
     ExpectRoundTrip(FullOrder(version), version);
-    ExpectRoundTrip(InstantActions{SampleHeader(version), {SampleActionOf("cancelOrder", "i1", BlockingType::kNone)}}, version);
+    ExpectRoundTrip(InstantActions{SampleHeader(version), {SampleActionOf("cancelOrder", "i1", BlockingType::kNone)}},
+                    version);
     ExpectRoundTrip(FullState(version), version);
     ExpectRoundTrip(FullFactsheet(version), version);
     ExpectRoundTrip(Connection{SampleHeader(version), ConnectionState::kConnectionBroken}, version);
@@ -79,7 +80,8 @@ TEST(Codec, EachLenienceIsAcceptedAndNamed) {
     EXPECT_EQ(decoded.lenient[0].lenience, each.lenience) << each.to;
     EXPECT_THAT(decoded.lenient[0].pointer, testing::StartsWith("/"));
   }
-  EXPECT_EQ(DecodeWith(Version::k2_1, "\"maxSpeed\":1.25", "\"maxSpeed\":\"1.25\"").message.edges[0].maximum_speed, 1.25);
+  EXPECT_EQ(DecodeWith(Version::k2_1, "\"maxSpeed\":1.25", "\"maxSpeed\":\"1.25\"").message.edges[0].maximum_speed,
+            1.25);
 }
 
 TEST(Codec, FaultsSayWhereAndWhatWasFoundAndExpected) {
@@ -120,8 +122,8 @@ TEST(Codec, HostileTextsAreFaults) {
   many += "1]";
   for (const std::string& text :
        {std::string(), std::string("{"), std::string("nul"), std::string("{\"headerId\":NaN}"), std::string("[1,2]"),
-        std::string("{\"x\":1e999}"), std::string("\xff\xfe"), std::string("{\"a\":1,\"a\":2}"), std::string(100'000, '['),
-        std::string(100'000, '{'), big, many}) {
+        std::string("{\"x\":1e999}"), std::string("\xff\xfe"), std::string("{\"a\":1,\"a\":2}"),
+        std::string(100'000, '['), std::string(100'000, '{'), big, many}) {
     const Decoded<Order> decoded = Decode<Order>(text, Version::k2_1, limits);
     EXPECT_FALSE(decoded.ok());
     for (const MessageFault& fault : decoded.faults) EXPECT_LT(fault.ToString().size(), 400u);
@@ -174,8 +176,8 @@ TEST(Codec, Timestamps) {
   EXPECT_EQ(ParseTimestamp("2024-02-29T12:34:56Z"), 1'709'210'096'000);
   EXPECT_EQ(ParseTimestamp("2024-02-29T12:34:56.78901234Z"), 1'709'210'096'789);
   EXPECT_EQ(ParseTimestamp("2024-02-29T14:34:56.7+02:00"), 1'709'210'096'700);
-  for (const char* const text : {"", "2024", "2024-13-01T00:00:00Z", "2024-02-29", "2024-02-29T12:34", "2024-02-29T12:34:56.Z",
-                                 "2024-02-29T12:34:56Zz", "-024-02-29T12:34:56Z"}) {
+  for (const char* const text : {"", "2024", "2024-13-01T00:00:00Z", "2024-02-29", "2024-02-29T12:34",
+                                 "2024-02-29T12:34:56.Z", "2024-02-29T12:34:56Zz", "-024-02-29T12:34:56Z"}) {
     EXPECT_EQ(ParseTimestamp(text), std::nullopt) << text;
   }
   for (std::int64_t day = 0; day < 100'000; day += 17) {

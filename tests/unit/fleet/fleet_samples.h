@@ -71,7 +71,8 @@ inline VehicleProfile SampleProfile(Version version) {
 }
 
 // The places A, B, C, ... are 4 m apart on a line.
-inline Node SampleNode(char place, std::uint32_t sequence_id, bool is_released = true, std::vector<Action> actions = {}) {
+inline Node SampleNode(char place, std::uint32_t sequence_id, bool is_released = true,
+                       std::vector<Action> actions = {}) {
   Node node;
   node.id = std::string(1, place);
   node.sequence_id = sequence_id;
@@ -83,7 +84,8 @@ inline Node SampleNode(char place, std::uint32_t sequence_id, bool is_released =
   return node;
 }
 
-inline Action SampleActionOf(const std::string& type, const std::string& id, BlockingType blocking = BlockingType::kHard) {
+inline Action SampleActionOf(const std::string& type, const std::string& id,
+                             BlockingType blocking = BlockingType::kHard) {
   Action action;
   action.type = type;
   action.id = id;

@@ -181,7 +181,8 @@ inline std::vector<NamedPayload> AllPayloads() {
     };
     add("order", FullOrder(version));
     add("order", SampleOrder(version, "o2", 0, "A", 1));
-    add("instantActions", InstantActions{SampleHeader(version), {SampleActionOf("cancelOrder", "i1", BlockingType::kNone)}});
+    add("instantActions",
+        InstantActions{SampleHeader(version), {SampleActionOf("cancelOrder", "i1", BlockingType::kNone)}});
     add("state", FullState(version));
     VehicleMemory memory;
     add("state", [&] {

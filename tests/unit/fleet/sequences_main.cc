@@ -1,10 +1,11 @@
 // Writes random sequences of messages between a fleet control and a vehicle of VDA 5050, with what the vehicle and the
 // checker make of them, for a reference that judges them by itself (reference.py):
 //   fleet_sequences FIRST COUNT
-// A line for each sequence, then one for each input with the state behind it. Wrong and hostile messages are among them.
+// A line for each sequence, then one for each input with the state behind it. Wrong and hostile messages are among
+// them.
 //   fleet_sequences --messages FIRST COUNT
-// Messages for the public schemas (schemas_test.py), those of the vehicle in the sequences among them: a line for each with
-// topic, version and text.
+// Messages for the public schemas (schemas_test.py), those of the vehicle in the sequences among them: a line for each
+// with topic, version and text.
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -102,7 +103,7 @@ class Sequence {
     }
     if (started.empty()) return Drive(memory_.is_driving && MayDrive(memory_, profile_));
     constexpr ActionStatus kStatuses[] = {ActionStatus::kRunning, ActionStatus::kFinished, ActionStatus::kFinished,
-                                          ActionStatus::kFailed, ActionStatus::kPaused, ActionStatus::kInitializing};
+                                          ActionStatus::kFailed,  ActionStatus::kPaused,   ActionStatus::kInitializing};
     const std::string id = started[Draw(started.size())]->action.id;
     const ActionStatus status = kStatuses[Draw(std::size(kStatuses))];
     ActionProgress progress = {id, status, {}, {}};
@@ -130,8 +131,8 @@ class Sequence {
         action.blocking_type = BlockingType::kNone;
       }
       if (type == "enableMap") {
-        action.parameters = {{{"mapId", ParameterValue::Of("L1")},
-                              {"mapVersion", ParameterValue::Of(std::to_string(1 + Draw(3)))}}};
+        action.parameters = {
+            {{"mapId", ParameterValue::Of("L1")}, {"mapVersion", ParameterValue::Of(std::to_string(1 + Draw(3)))}}};
       }
       if (!IsBefore3(profile_.version) && Chance(40)) action.retriable = true;
       actions.push_back(action);
@@ -217,10 +218,10 @@ class Sequence {
   }
 
   void SendInstantActions() {
-    constexpr const char* kTypes[] = {"startPause",    "stopPause",  "stopPause",  "cancelOrder", "cancelOrder",
-                                      "stateRequest",  "trigger",    "retry",      "skipRetry",   "clearInstantActions",
-                                      "startCharging", "logReport",  "enableMap",  "deleteMap",   "downloadMap",
-                                      "initPosition",  "doNotKnow",  "factsheetRequest"};
+    constexpr const char* kTypes[] = {
+        "startPause", "stopPause", "stopPause",   "cancelOrder",         "cancelOrder",   "stateRequest",
+        "trigger",    "retry",     "skipRetry",   "clearInstantActions", "startCharging", "logReport",
+        "enableMap",  "deleteMap", "downloadMap", "initPosition",        "doNotKnow",     "factsheetRequest"};
     InstantActions message;
     message.header = SampleHeader(profile_.version, ++instant_headers_, milliseconds_);
     const std::uint64_t count = 1 + (Chance(20) ? Draw(3) : 0);
@@ -229,7 +230,8 @@ class Sequence {
       std::string id = "i" + std::to_string(++actions_);
       if (Chance(4)) id = (Chance(50) ? "i" : "a") + std::to_string(1 + Draw(actions_));
       Action action = SampleActionOf(type, id, BlockingType::kNone);
-      if (IsBefore3(profile_.version) && Chance(40)) action.blocking_type = Chance(50) ? BlockingType::kHard : BlockingType::kSoft;
+      if (IsBefore3(profile_.version) && Chance(40))
+        action.blocking_type = Chance(50) ? BlockingType::kHard : BlockingType::kSoft;
       if (type.ends_with("Map") && Chance(90)) {
         action.parameters = {{{"mapId", ParameterValue::Of(Chance(80) ? "L1" : "L2")},
                               {"mapVersion", ParameterValue::Of(std::to_string(1 + Draw(3)))}}};
@@ -351,9 +353,11 @@ class Sequence {
     after["order"] = {state.order_id, state.order_update_id};
     after["last"] = {state.last_node_id, state.last_node_sequence_id};
     after["nodes"] = json::array();
-    for (const NodeState& node : state.node_states) after["nodes"].push_back({node.node_id, node.sequence_id, node.released});
+    for (const NodeState& node : state.node_states)
+      after["nodes"].push_back({node.node_id, node.sequence_id, node.released});
     after["edges"] = json::array();
-    for (const EdgeState& edge : state.edge_states) after["edges"].push_back({edge.edge_id, edge.sequence_id, edge.released});
+    for (const EdgeState& edge : state.edge_states)
+      after["edges"].push_back({edge.edge_id, edge.sequence_id, edge.released});
     const auto actions = [](const std::vector<ActionState>& states) {
       json list = json::array();
       for (const ActionState& each : states) list.push_back({each.action_id, NameOf(each.status)});

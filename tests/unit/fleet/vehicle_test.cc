@@ -1,5 +1,5 @@
-// The vehicle's side: every row of the decision table in each version, and the life of actions by examples. reference.py
-// judges random sequences.
+// The vehicle's side: every row of the decision table in each version, and the life of actions by examples.
+// reference.py judges random sequences.
 #include "fleet/vehicle.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +61,8 @@ struct TestVehicle {
   }
   std::string Nodes() const {
     std::string text;
-    for (const Node& node : memory.nodes) text += node.id + std::to_string(node.sequence_id) + (node.released ? "+" : "-");
+    for (const Node& node : memory.nodes)
+      text += node.id + std::to_string(node.sequence_id) + (node.released ? "+" : "-");
     return text;
   }
   bool may_drive() const { return MayDrive(memory, profile); }
@@ -78,7 +79,9 @@ class EachVersion : public testing::TestWithParam<Version> {
   bool is_3() const { return !IsBefore3(GetParam()); }
 };
 INSTANTIATE_TEST_SUITE_P(Versions, EachVersion, testing::Values(Version::k2_0, Version::k2_1, Version::k3_0),
-                         [](const auto& info) { return std::string("V") + NameOf(info.param)[0] + NameOf(info.param)[2]; });
+                         [](const auto& info) {
+                           return std::string("V") + NameOf(info.param)[0] + NameOf(info.param)[2];
+                         });
 
 // A situation for each row, and the order that the row is for.
 struct RowCase {
@@ -88,8 +91,10 @@ struct RowCase {
 
 std::vector<RowCase> RowCases(Version version) {
   const bool is_3 = !IsBefore3(version);
-  const auto order = [version](const std::string& id, std::uint32_t update, const std::string& places, std::size_t released,
-                               std::uint32_t first = 0) { return SampleOrder(version, id, update, places, released, first); };
+  const auto order = [version](const std::string& id, std::uint32_t update, const std::string& places,
+                               std::size_t released, std::uint32_t first = 0) {
+    return SampleOrder(version, id, update, places, released, first);
+  };
   std::vector<RowCase> cases = {
       {"invalid", [=](TestVehicle&) { return order("o1", 0, "", 0); }},
       {"outdated_update",
@@ -364,7 +369,8 @@ TEST_P(EachVersion, BlockingTypesDecideWhatRunsTogether) {
 
 // All sequences of three types: each action runs once, those that run alone do so, and the sequence is kept.
 TEST_P(EachVersion, AllSequencesOfBlockingTypes) {
-  const std::vector<BlockingType> all = is_3() ? std::vector{kNone, kSoft, kSingle, kHard} : std::vector{kNone, kSoft, kHard};
+  const std::vector<BlockingType> all =
+      is_3() ? std::vector{kNone, kSoft, kSingle, kHard} : std::vector{kNone, kSoft, kHard};
   for (const BlockingType a : all) {
     for (const BlockingType b : all) {
       for (const BlockingType c : all) {
@@ -506,7 +512,8 @@ TEST_P(EachVersion, InstantActionsInEveryMode) {
     EXPECT_EQ(vehicle.Instant("fly"), kFailed);
     EXPECT_THAT(vehicle.Errors(), testing::Contains("INVALID_INSTANT_ACTION"));
     EXPECT_EQ(vehicle.Instant("cancelOrder"), keeps ? kFinished : kFailed) << NameOf(mode);
-    const bool forgets = is_3() && (mode == OperatingMode::kService || mode == OperatingMode::kTeachIn || mode == OperatingMode::kStartup);
+    const bool forgets = is_3() && (mode == OperatingMode::kService || mode == OperatingMode::kTeachIn ||
+                                    mode == OperatingMode::kStartup);
     EXPECT_EQ(vehicle.memory.last_node_id, forgets ? "" : "A") << NameOf(mode);
     vehicle.Give(ModeChanged{OperatingMode::kAutomatic});
     EXPECT_EQ(vehicle.SendPlaces("o2", 0, "AB", 2), "new_order") << NameOf(mode);
@@ -547,7 +554,8 @@ TEST_P(EachVersion, InstantActionsFillTheStateOnlyToItsLimit) {
 TEST_P(EachVersion, Maps) {
   TestVehicle vehicle(GetParam());
   const auto of = [](const std::string& version) {
-    return std::vector<ActionParameter>{{"mapId", ParameterValue::Of("L1")}, {"mapVersion", ParameterValue::Of(version)}};
+    return std::vector<ActionParameter>{{"mapId", ParameterValue::Of("L1")},
+                                        {"mapVersion", ParameterValue::Of(version)}};
   };
   EXPECT_EQ(vehicle.Instant("enableMap", of("3")), kFailed);
   EXPECT_EQ(vehicle.Instant("deleteMap", of("1")), kFailed);
@@ -581,7 +589,8 @@ TEST_P(EachVersion, ATriggerAndARetry) {
   EXPECT_EQ(vehicle.StatusOf("w"), kRunning);
   EXPECT_EQ(vehicle.Instant("trigger"), kFinished);
   EXPECT_EQ(vehicle.Instant("trigger"), kFailed);
-  vehicle.Give(ActionProgress{"p", kFailed, "empty", VehicleError{"noLoad", {}, {}, {}, {}, {}, ErrorLevel::kCritical}});
+  vehicle.Give(
+      ActionProgress{"p", kFailed, "empty", VehicleError{"noLoad", {}, {}, {}, {}, {}, ErrorLevel::kCritical}});
   EXPECT_EQ(vehicle.StatusOf("p"), kRetriable);
   EXPECT_THAT(vehicle.Errors(), ElementsAre("noLoad"));
   EXPECT_EQ(vehicle.Instant("retry", {{"actionId", ParameterValue::Of("p")}}), kFinished);
