@@ -11,6 +11,7 @@ namespace troupe::fleet {
 namespace {
 
 constexpr std::size_t kMostActions = 10'000;  // if the factsheet says none
+constexpr std::size_t kMostNodes = 100'000;
 
 bool IsModeForOrders(const VehicleMemory& memory) {
   if (memory.wanted_mode) return false;
@@ -106,6 +107,7 @@ std::size_t CountActions(const Order& order) {
 bool FitsMemory(const VehicleMemory& memory, const Order& order, bool is_update, const VehicleProfile& profile) {
   const std::uint32_t limit = profile.factsheet.limits.arrays.action_states.value_or(0);
   const std::size_t most = limit > 0 ? limit : kMostActions;
+  if (order.nodes.size() + (is_update ? memory.nodes.size() : 0) > kMostNodes) return false;
   return CountActions(order) + (is_update ? memory.actions.size() : 0) <= most;
 }
 
@@ -194,6 +196,7 @@ void AcceptNew(VehicleMemory& memory, const Order& order, Version version) {
 
 void AcceptUpdate(VehicleMemory& memory, const Order& order) {
   EndErrors(memory, false);
+  memory.is_cancelled = false;
   std::erase_if(memory.nodes, [](const Node& node) { return !node.released; });
   std::erase_if(memory.edges, [](const Edge& edge) { return !edge.released; });
   // Those of a horizon that was cancelled stay: they have failed.

@@ -8,7 +8,7 @@
 namespace troupe::fleet {
 namespace {
 
-constexpr std::size_t kMostErrors = 8;             // of one type
+constexpr std::size_t kMostErrors = 8;             // of one type, of those that peers cause
 constexpr std::size_t kMostInstantActions = 1000;  // if the factsheet says none
 
 bool IsPosition(std::string_view type) {
@@ -301,7 +301,8 @@ void ReportError(VehicleMemory& memory, ReportedError reported) {
   const auto is_alike = [&](const ReportedError& other) {
     return other.end == reported.end && other.error.type == reported.error.type;
   };
-  if (static_cast<std::size_t>(std::count_if(memory.errors.begin(), memory.errors.end(), is_alike)) >= kMostErrors) {
+  if (reported.end != ErrorEnd::kCause &&
+      static_cast<std::size_t>(std::count_if(memory.errors.begin(), memory.errors.end(), is_alike)) >= kMostErrors) {
     memory.errors.erase(std::find_if(memory.errors.begin(), memory.errors.end(), is_alike));
   }
   memory.errors.push_back(std::move(reported));
