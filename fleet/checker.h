@@ -116,7 +116,7 @@ struct VehicleRecord {
   std::map<std::string, std::uint32_t> update_ids;  // the largest that was sent for each order
   std::vector<SentOrder> sent;                      // not yet accepted by a state, the newest last
   std::vector<SentInstantAction> instant_actions;
-  std::map<std::string, std::string> action_places;  // of each id: "instant", or its order's id
+  std::map<std::string, std::string> action_places;  // of each id: "instant action TYPE", or its order
   KnownRoute route;
   std::string cancelled_order_id;
 

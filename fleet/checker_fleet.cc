@@ -143,7 +143,7 @@ void JudgeOrder(MessageJudge& judge, const Order& order) {
 void JudgeInstantActions(MessageJudge& judge, const InstantActions& message) {
   VehicleRecord& record = judge.record;
   for (const Action& action : message.actions) {
-    JudgeActionId(judge, action, "instant actions");
+    JudgeActionId(judge, action, std::string(kInstantPlace) + action.type);
     const bool is_for_all = action.type == "startPause" || action.type == "stopPause" || action.type == "cancelOrder" ||
                             action.type == "stateRequest" || action.type == "factsheetRequest";
     if (record.factsheet && !is_for_all) {

@@ -3,12 +3,16 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "fleet/checker.h"
 
 namespace troupe::fleet {
+
+// Of the ids of instant actions, before the type.
+inline constexpr std::string_view kInstantPlace = "instant action ";
 
 struct MessageJudge {
   VehicleRecord& record;

@@ -277,6 +277,11 @@ void JudgeActionStates(MessageJudge& judge, const State& state, bool has_new_ord
         if (!may_go) judge.Break(Rule::kActionStatesKept, "no state of the action '" + was.action_id + "' any more");
         continue;
       }
+      // An instant action that was sent again, once its state was cleared.
+      const bool is_again = std::any_of(
+          record.instant_actions.begin(), record.instant_actions.end(),
+          [&](const auto& sent) { return sent.action.id == was.action_id && sent.message > record.state_message; });
+      if (is_again) continue;
       const bool is_broken = (IsFinal(was.status) && now->status != was.status) ||
                              (now->status == ActionStatus::kWaiting && was.status != ActionStatus::kWaiting);
       if (is_broken && (is_same_order || IsInstant(was.action_id, record))) {
@@ -390,7 +395,7 @@ void JudgeRejections(MessageJudge& judge, const State& state, bool has_new_order
 
 bool IsInstant(const std::string& action_id, const VehicleRecord& record) {
   const auto found = record.action_places.find(action_id);
-  return found != record.action_places.end() && found->second == "instant actions";
+  return found != record.action_places.end() && found->second.starts_with(kInstantPlace);
 }
 
 bool IsBusy(const State& state, const VehicleRecord& record) {

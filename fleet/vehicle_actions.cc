@@ -1,6 +1,7 @@
 #include "fleet/vehicle_actions.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "fleet/order_check.h"
@@ -380,6 +381,10 @@ InstantOutcome ApplyInstantActions(VehicleMemory& memory, const InstantActionsRe
                   ErrorLevel::kWarning, faults);
     return outcome;
   }
+  std::vector<ReportedError> earlier;  // that end with an action that is accepted
+  std::copy_if(memory.errors.begin(), memory.errors.end(), std::back_inserter(earlier),
+               [](const ReportedError& reported) { return reported.end == ErrorEnd::kInstantAction; });
+  bool is_one_accepted = false;
   const ArrayLimits& limits = profile.factsheet.limits.arrays;
   const std::uint32_t limit =
       (IsBefore3(profile.version) ? limits.action_states : limits.instant_action_states).value_or(0);
@@ -402,9 +407,12 @@ InstantOutcome ApplyInstantActions(VehicleMemory& memory, const InstantActionsRe
     } else {
       Execute(memory, tracked, profile, outcome);
     }
-    if (tracked.status == ActionStatus::kFailed) continue;
-    std::erase_if(memory.errors,
-                  [](const ReportedError& reported) { return reported.end == ErrorEnd::kInstantAction; });
+    is_one_accepted = is_one_accepted || tracked.status != ActionStatus::kFailed;
+  }
+  if (is_one_accepted) {
+    std::erase_if(memory.errors, [&](const ReportedError& reported) {
+      return std::find(earlier.begin(), earlier.end(), reported) != earlier.end();
+    });
   }
   return outcome;
 }

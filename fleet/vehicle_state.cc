@@ -24,6 +24,17 @@ EdgeState StateOf(const Edge& edge) {
   return {edge.id, edge.sequence_id, edge.descriptor, edge.released, edge.trajectory};
 }
 
+// The schema of 2.0 has no position without an orientation, and no control point without a weight.
+void CompleteFor2_0(State& state) {
+  for (NodeState& node : state.node_states) {
+    if (node.position && !node.position->theta) node.position.reset();
+  }
+  for (EdgeState& edge : state.edge_states) {
+    if (!edge.trajectory) continue;
+    for (ControlPoint& point : edge.trajectory->control_points) point.weight = point.weight.value_or(1.0);
+  }
+}
+
 // The base is nearly used up, and there is a horizon.
 bool NeedsBase(const VehicleMemory& memory, bool is_base_short) {
   if (memory.is_clearing || memory.nodes.empty() || memory.nodes.back().released) return false;
@@ -105,6 +116,7 @@ State MakeState(const VehicleMemory& memory, const VehicleProfile& profile, cons
   state.last_node_sequence_id = memory.last_node_sequence_id;
   for (const Node& node : memory.nodes) state.node_states.push_back(StateOf(node));
   for (const Edge& edge : memory.edges) state.edge_states.push_back(StateOf(edge));
+  if (profile.version == Version::k2_0) CompleteFor2_0(state);
   state.planned_path = readings.planned_path;
   state.intermediate_path = readings.intermediate_path;
   state.position = readings.position;

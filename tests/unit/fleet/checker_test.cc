@@ -277,8 +277,11 @@ std::vector<std::pair<Rule, Play>> BrokenRules() {
        }},
       {Rule::kActionStatesKept,
        [](Conversation& c) {
-         c.Send(WithPick(c.version(), BlockingType::kHard));
-         c.ReportAs([](State& s) { s.action_states.clear(); });
+         c.Instant("startCharging");
+         c.ReportAs([](State& s) {
+           s.action_states.clear();
+           s.instant_action_states.clear();
+         });
        }},
       {Rule::kActionStatusSequence,
        [](Conversation& c) {

@@ -105,7 +105,8 @@ TEST(Codec, FaultsSayWhereAndWhatWasFoundAndExpected) {
       {"\"leftWidth\":0.5", "\"leftWidth\":-0.5", "/edges/0/corridor/leftWidth: found the number -0.5, expected"},
       {"\"x\":4", "\"x\":\"NaN\"", "/nodes/1/nodePosition/x: found the string 'NaN', expected a number"},
       {"1970-01-01T00:00:01.00Z", "yesterday", "/timestamp: found the string 'yesterday', expected a time"},
-      {"{\"x\":1,\"y\":1}", "7", "/edges/0/trajectory/controlPoints/1: found the number 7, expected an object"},
+      {"{\"x\":1,\"y\":1,\"weight\":2}", "7",
+       "/edges/0/trajectory/controlPoints/1: found the number 7, expected an object"},
   };
   for (const Case& each : cases) {
     const Decoded<Order> decoded = DecodeWith(Version::k2_1, each.from, each.to);

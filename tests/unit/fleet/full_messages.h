@@ -12,7 +12,7 @@ namespace troupe::fleet {
 inline constexpr Version kAllVersions[] = {Version::k2_0, Version::k2_1, Version::k3_0};
 
 inline Trajectory SampleCurve() {
-  return {2, std::vector<double>{0, 0, 0, 1, 1, 1}, {{0, 0, 1.0}, {1, 1, {}}, {2, 0, 0.5}}};
+  return {2, std::vector<double>{0, 0, 0, 1, 1, 1}, {{0, 0, 1.0}, {1, 1, 2.0}, {2, 0, 0.5}}};
 }
 
 // An order with every member that the version has.

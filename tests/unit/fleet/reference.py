@@ -526,6 +526,7 @@ class Vehicle:
         except Bad:
             self.errors.append(("INVALID_INSTANT_ACTION", "WARNING", "instant"))
             return
+        earlier, accepted = [e for e in self.errors if e[2] == "instant"], False
         for action in message["actions"]:
             known = self.instant + ([] if self.newer else self.actions)
             if action["actionId"] in [a["id"] for a in known]:
@@ -535,8 +536,9 @@ class Vehicle:
                 self.instant = [other for other in self.instant if other["status"] not in FINAL]
             self.instant.append(a)
             self.execute(a)
-            if a["status"] != "FAILED":
-                self.errors = [e for e in self.errors if e[2] != "instant"]
+            accepted = accepted or a["status"] != "FAILED"
+        if accepted:
+            self.errors = [e for e in self.errors if not any(e is other for other in earlier)]
 
     def fail(self, a, kind="INVALID_INSTANT_ACTION", until="instant"):
         a["status"] = "FAILED"
@@ -637,7 +639,7 @@ class Fleet:
         self.version, self.read_order = version, schema(version)[0]
         self.newest = {}  # update id by order, of those that count as sent
         self.state = None
-        self.instant_ids = set()
+        self.places = {}  # of the ids of actions, where each was used first
 
     def judge(self, line):
         if line["kind"] == "instant":
@@ -645,7 +647,8 @@ class Fleet:
                 message = schema(self.version)[1](parse(line["payload"]))
             except Bad:
                 return {"message_form"}
-            self.instant_ids |= {action["actionId"] for action in message["actions"]}
+            for action in message["actions"]:
+                self.places.setdefault(action["actionId"], "instant")
             return set()
         if line["kind"] != "order":
             return set()
@@ -655,6 +658,9 @@ class Fleet:
             return {"message_form"}
         if not has_form(order, self.version):
             return {"order_form"}
+        for part in order["nodes"] + order["edges"]:
+            for action in part["actions"]:
+                self.places.setdefault(action["actionId"], "order")
         found = set()
         state = self.state
         if state and state["mode"] not in ("AUTOMATIC", "SEMIAUTOMATIC", "INTERVENED"):
@@ -674,7 +680,7 @@ class Fleet:
         return found
 
     def is_instant(self, identity):
-        return identity in self.instant_ids
+        return self.places.get(identity) == "instant"
 
 
 def main():

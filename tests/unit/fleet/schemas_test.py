@@ -68,6 +68,10 @@ def faults(value, schema, root, path="$"):
         yield from faults(value, schema.get("then", {}), root, path)
 
 
+# Where the text has what the schema lacks, the text holds (section 6 of 2.1).
+TEXT_HOLDS = re.compile(r"actionStatus: 'PAUSED' is|actions\[\d+\]: (no actionName|'actionName' is a required)")
+
+
 def main():
     program, schemas = sys.argv[1], pathlib.Path(sys.argv[2])
     messages = subprocess.run([program, "--messages", "0", "90"], capture_output=True, text=True, check=True).stdout
@@ -86,6 +90,8 @@ def main():
             validator = jsonschema.validators.validator_for(schema)(schema)
             found += [f"{error.json_path}: {error.message}" for error in validator.iter_errors(json.loads(text))]
         for fault in found:
+            if TEXT_HOLDS.search(fault):
+                continue
             wrong += 1
             print(f"{topic} {version}: {fault[:300]}")
     # A validator that finds nothing would pass everything.
