@@ -296,7 +296,7 @@ inline CrowdWorld RingWorld(double width, double density, int backwards, std::ui
 
 template <typename Run = CrowdRun>
 RingFlow MeasureRing(double width, double density, int backwards, std::uint64_t seed, double warm_up = 15.0,
-                            double seconds = 20.0) {
+                     double seconds = 20.0) {
   const CrowdWorld crowd = RingWorld(width, density, backwards, seed);
   Run run(crowd.world);
   RingFlow result;

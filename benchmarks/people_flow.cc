@@ -1,6 +1,6 @@
-// What people do in the usual experiments with crowds (people_experiments.h), as CSV on standard output: the experiment,
-// its parameter (density, width, number of people), what was measured, and the processor time (us) for each person and
-// tick. people_plot.py draws the fundamental diagram from it; docs/people.md has the figures.
+// What people do in the usual experiments with crowds (people_experiments.h), as CSV on standard output: the
+// experiment, its parameter (density, width, number of people), what was measured, and the processor time (us) for each
+// person and tick. people_plot.py draws the fundamental diagram from it; docs/people.md has the figures.
 //
 //   people_flow [SEEDS]
 #include <fmt/format.h>

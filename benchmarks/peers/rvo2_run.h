@@ -1,6 +1,6 @@
-// The people of an experiment (people_experiments.h) as agents of the library RVO2 (github.com/snape/RVO2), with the same
-// places, radii, speeds, goals and walls, and the parameters of its examples for people. RVO2 has no ways around walls:
-// an agent in a room looks at the nearest place in the opening. Compiled with people_flow.cc only where
+// The people of an experiment (people_experiments.h) as agents of the library RVO2 (github.com/snape/RVO2), with the
+// same places, radii, speeds, goals and walls, and the parameters of its examples for people. RVO2 has no ways around
+// walls: an agent in a room looks at the nearest place in the opening. Compiled with people_flow.cc only where
 // TROUPE_PEER_RVO2 is defined.
 #pragma once
 

@@ -10,6 +10,7 @@ namespace {
 constexpr double kAvoidReach = 5.0;        // m: others farther away are not avoided
 constexpr std::size_t kMaxNeighbors = 12;  // the nearest
 constexpr double kWalkerHorizon = 1.0;     // s
+constexpr double kBoundHorizon = 1.5;      // s, of people who get on or off a lift: they have no other way round
 constexpr double kWallHorizon = 0.5;       // s
 constexpr double kGap = 0.01;              // m that people leave to others and to walls if they can
 constexpr double kOneWay = 3.0;            // how much more people of one way care for those before them alone
@@ -78,20 +79,23 @@ std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonSta
   return robot->center;
 }
 
-Avoidance::Avoidance(const PeopleView& view) : view_(view), orca_({kWalkerHorizon, kWallHorizon, view.seconds()}) {}
+Avoidance::Avoidance(const PeopleView& view)
+    : view_(view),
+      orca_({kWalkerHorizon, kWallHorizon, view.seconds()}),
+      bound_orca_({kBoundHorizon, kWallHorizon, view.seconds()}) {}
 
 Vec2 Avoidance::Velocity(PersonId id, const Vec2& preferred, bool steers) {
   const Disc& me = view_.disc(id.index());
-  FindOthers(id);
+  FindOthers(id, steers);
   FindWalls(id);
   // The gap is added to the radius of the walker, not kept as a constraint of its own: where there is no room for it,
   // ORCA gives the velocity that violates it least, and the bodies still do not meet.
   Walker walker{me.center, me.velocity, preferred, me.radius + kGap, view_.world().person(id).max_speed};
   if (steers) walker.preferred = steering_.Prefer(walker, neighbors_, nearest_);
-  return orca_.Velocity(walker, neighbors_, nearest_);
+  return (steers ? orca_ : bound_orca_).Velocity(walker, neighbors_, nearest_);
 }
 
-void Avoidance::FindOthers(PersonId id) {
+void Avoidance::FindOthers(PersonId id, bool steers) {
   const std::size_t i = id.index();
   const Disc& me = view_.disc(i);
   const PersonReaction reaction = view_.world().person(id).reaction;
@@ -125,7 +129,7 @@ void Avoidance::FindOthers(PersonId id) {
       neighbors_.push_back({other.center, other.velocity, radius, 1.0});
       continue;
     }
-    const double share = ShareBeside(me, other);
+    const double share = steers ? ShareBeside(me, other) : 0.5;
     // It is for the other one to keep clear.
     if (share <= kGoesFirst) continue;
     const bool makes_room = share > 0.5 && other.heading.dot(me.center - other.center) > 0.0 &&

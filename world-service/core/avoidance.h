@@ -43,17 +43,18 @@ class Avoidance {
   explicit Avoidance(const PeopleView& view);
 
   // The velocity next to the preferred one that meets no other. `steers`: first the preferred velocity becomes that of
-  // a walker among others (common/crowd/steering.h).
+  // a walker among others (common/crowd/steering.h), and it knows who goes first.
   Vec2 Velocity(PersonId id, const Vec2& preferred, bool steers);
 
  private:
-  void FindOthers(PersonId id);
+  void FindOthers(PersonId id, bool steers);
   void FindWalls(PersonId id);
   // The sides of a piece that the person sees.
   void AddWalls(const ConvexPiece& piece, const Disc& me);
 
   const PeopleView& view_;
   Orca orca_;
+  Orca bound_orca_;  // without steering
   Steering steering_;
   // Lists of the last call of Velocity, kept for their memory: a tick calls it for each person.
   std::vector<NearDisc> others_;   // people and robots
