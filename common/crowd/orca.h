@@ -36,6 +36,7 @@ struct WalkerNeighbor {
   double radius = 0.0;
   double share =
       0.5;  // of the avoidance that the walker makes: 0.5 beside another walker, 1 beside a body that does not avoid
+  Vec2 heading{0.0, 0.0};  // of length 1: where it goes or would like to go; zero for a body without a way of its own
 };
 
 struct WallSegment {

@@ -11,8 +11,7 @@ constexpr double kMaxGridCells = 16e6;
 constexpr double kComfort = 0.2;  // m: a cell so near to a wall counts twice
 
 // Numbers of steps, and two more.
-constexpr std::uint8_t kUnknownStep = 0xff;  // not looked for so far
-constexpr std::uint8_t kNoStep = 0xfe;
+constexpr std::uint8_t kUnknown = 0xff;  // not looked for so far
 
 // m, of a cell.
 double SideOf(const Rectangle& bounds, double min_cell) {
@@ -37,8 +36,6 @@ WalkGrid::WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const Z
   columns_ = static_cast<int>(CountOf(bounds.width(), cell_));
   rows_ = static_cast<int>(CountOf(bounds.height(), cell_));
   room_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), Room::kFree);
-  for (std::size_t i = 0; i < kSteps.size(); ++i)
-    offsets_[i] = kSteps[i].rows * std::ptrdiff_t{columns_} + kSteps[i].columns;
   walls.ForEachPiece([&](const ConvexPiece& piece) { Block(piece); });
   for (const ConvexPiece& wall : portals.walls) Block(wall);
   for (const ConvexPiece& leaf : portals.open_leaves) {
@@ -180,24 +177,44 @@ WalkField::WalkField(const WalkGrid& grid, const Vec2& goal) : grid_(grid) {
   if (!cell) return;
   target_ = grid.CellOf(goal) == *cell ? goal : grid.CenterOf(*cell);
   MeasureLengths(*cell);
-  steps_ = std::vector<std::atomic<std::uint8_t>>(length_.size());
-  for (std::atomic<std::uint8_t>& step : steps_) step.store(kUnknownStep, std::memory_order_relaxed);
+  // A doorway is as deep as a person is wide, at least, so that such a stride ends in it.
+  if (grid_.has_doors() && kStride * grid_.cell() > 2.0 * grid_.radius()) stride_ = 1;
+  strides_ = std::vector<std::atomic<std::uint8_t>>(length_.size());
+  for (std::atomic<std::uint8_t>& stride : strides_) stride.store(kUnknown, std::memory_order_relaxed);
 }
 
 std::size_t WalkField::NextCell(std::size_t cell) const {
-  std::uint8_t step = steps_[cell].load(std::memory_order_relaxed);
-  if (step == kUnknownStep) {
-    step = kNoStep;
-    std::uint32_t least = length_[cell];
-    grid_.ForEachStep(cell, [&](std::size_t to, std::size_t number) {
-      if (length_[to] >= least) return;
-      least = length_[to];
-      step = static_cast<std::uint8_t>(number);
-    });
+  std::size_t next = cell;
+  std::uint32_t least = length_[cell];
+  grid_.ForEachStep(cell, [&](std::size_t to, std::size_t) {
+    if (length_[to] >= least) return;
+    least = length_[to];
+    next = to;
+  });
+  return next;
+}
+
+std::size_t WalkField::SharedStart(std::size_t cell) const {
+  const int column = grid_.ColumnOf(cell) / stride_ * stride_ + stride_ / 2;
+  const int row = grid_.RowOf(cell) / stride_ * stride_ + stride_ / 2;
+  if (stride_ == 1 || column >= grid_.columns() || row >= grid_.rows()) return cell;
+  const std::size_t shared = grid_.CellAt(column, row);
+  return length_[shared] == kUnreached || grid_.DoorOf(cell) || grid_.DoorOf(shared) ? cell : shared;
+}
+
+std::size_t WalkField::CellAhead(std::size_t cell) const {
+  constexpr int kWidth = 2 * kStride + 1;
+  std::uint8_t stride = strides_[cell].load(std::memory_order_relaxed);
+  if (stride == kUnknown) {
+    std::size_t to = cell;
+    for (int i = 0; i < stride_; ++i) to = NextCell(to);
+    const int columns = grid_.ColumnOf(to) - grid_.ColumnOf(cell) + kStride;
+    const int rows = grid_.RowOf(to) - grid_.RowOf(cell) + kStride;
+    stride = static_cast<std::uint8_t>(rows * kWidth + columns);
     // Two threads may both find it: they store the same number.
-    steps_[cell].store(step, std::memory_order_relaxed);
+    strides_[cell].store(stride, std::memory_order_relaxed);
   }
-  return step == kNoStep ? cell : grid_.Beside(cell, step);
+  return grid_.Beside(cell, stride % kWidth - kStride, stride / kWidth - kStride);
 }
 
 }  // namespace troupe

@@ -11,7 +11,7 @@
 // all people with that goal: a crowd of any size looks its next steps up. Searching a way for each person alone (A*)
 // would cost more from a few people on, and again in each tick.
 //
-// Both are constant after construction, apart from remembered next steps, which are atomic and pure functions of the
+// Both are constant after construction, apart from remembered strides, which are atomic and pure functions of the
 // lengths. Doors count as open for the search: a way through a closed door is found, and the person asks for the door.
 #pragma once
 
@@ -58,7 +58,9 @@ class WalkGrid {
            const Rectangle& bounds, double min_cell = kMinCell);
 
   std::size_t cell_count() const { return room_.size(); }
+  bool has_doors() const { return !door_.empty(); }
   int columns() const { return columns_; }
+  int rows() const { return rows_; }
   double cell() const { return cell_; }
   double radius() const { return radius_; }
   bool IsFree(std::size_t cell) const { return room_[cell] != Room::kBlocked; }
@@ -108,9 +110,9 @@ class WalkGrid {
     return best;
   }
 
-  // The cell behind a step.
-  std::size_t Beside(std::size_t cell, std::size_t step) const {
-    return cell + static_cast<std::size_t>(offsets_[step]);
+  // The cell so many columns and rows farther. REQUIRES: there is one.
+  std::size_t Beside(std::size_t cell, int columns, int rows) const {
+    return cell + static_cast<std::size_t>(rows * std::ptrdiff_t{columns_} + columns);
   }
 
   // Calls visit(cell, number of the step) for the free neighbours, never across the corner of a blocked cell.
@@ -152,7 +154,6 @@ class WalkGrid {
   double cell_ = 0.0;
   int columns_ = 0;
   int rows_ = 0;
-  std::array<std::ptrdiff_t, kSteps.size()> offsets_{};  // of the numbers of cells, by step
   std::vector<Room> room_;
   std::vector<std::uint32_t> door_;  // by cell: the number of its door from 1 on; 0: none; empty without doors
 };
@@ -178,8 +179,16 @@ class WalkField {
   bool IsTarget(std::size_t cell) const { return length_[cell] == 0; }
   // The neighbour with the shortest way, of equal ones the first; the cell itself where no way is shorter.
   std::size_t NextCell(std::size_t cell) const;
+  // So many steps are a stride: of a long way each person looks up the ends of strides, not all cells.
+  int stride() const { return stride_; }
+  // The cell of which a whole block of cells, a stride wide, uses the way: the same for all cells of the block but
+  // those in a doorway, and for blocks with a wall in that cell. A way from beside is as good, where it is in sight.
+  std::size_t SharedStart(std::size_t cell) const;
+  // The cell a stride ahead, or the last one of the way.
+  std::size_t CellAhead(std::size_t cell) const;
 
  private:
+  static constexpr int kStride = 4;
   static constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
   class Costs;
 
@@ -188,8 +197,10 @@ class WalkField {
   const WalkGrid& grid_;
   std::optional<Vec2> target_;
   std::vector<std::uint32_t> length_;  // by cell, kStraight for the side of one; empty without a target
-  // By cell, in kSteps: found when a person first comes by, by any thread, as a pure function of the lengths.
-  mutable std::vector<std::atomic<std::uint8_t>> steps_;
+  int stride_ = kStride;
+  // By cell, a number for columns and rows: found when a person first comes by, by any thread, as a pure function of
+  // the lengths.
+  mutable std::vector<std::atomic<std::uint8_t>> strides_;
 };
 
 }  // namespace troupe

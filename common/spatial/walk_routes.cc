@@ -15,37 +15,57 @@
 namespace troupe {
 namespace {
 
-constexpr int kLookAhead = 48;      // steps
+constexpr int kLookAhead = 48;      // steps, whole strides
 constexpr double kDoorAhead = 3.0;  // m, by steps: a door that is nearer is seen
+constexpr double kPressed = 0.3;    // m from the free cells, of a person that touches a wall
 constexpr double kBorder = 2.0;     // m, of grids around all that is in them
 constexpr std::uint32_t kNoRide = std::numeric_limits<std::uint32_t>::max();
+
+// The next part of the way from the cell `start`, as seen from `origin`; nothing if no part is in sight.
+std::optional<WalkRoutes::Ahead> SeeAhead(const WalkField& field, std::size_t start, const Vec2& origin) {
+  const WalkGrid& grid = field.grid();
+  std::optional<std::size_t> door = grid.DoorOf(start);
+  const int most = kLookAhead / field.stride();
+  const int door_strides = static_cast<int>(kDoorAhead / (field.stride() * grid.cell()));
+  std::array<std::size_t, kLookAhead> way;  // the ends of strides
+  int strides = 0;
+  for (std::size_t at = start; strides < most; ++strides) {
+    const std::size_t next = field.CellAhead(at);
+    if (next == at) break;  // the goal
+    way[static_cast<std::size_t>(strides)] = at = next;
+    if (!door && strides < door_strides) door = grid.DoorOf(next);
+  }
+  const bool is_near = strides == 0 || field.IsTarget(way[static_cast<std::size_t>(strides) - 1]);
+  if (is_near && grid.IsClear(origin, *field.target())) return WalkRoutes::Ahead{*field.target(), door};
+  // The farthest cell of the way in sight, nearly: straight lines in place of the steps of the grid. A few tests,
+  // because each costs a line of cells.
+  for (int ahead = strides; ahead > 0; ahead = ahead * 3 / 4) {
+    const Vec2 center = grid.CenterOf(way[static_cast<std::size_t>(ahead) - 1]);
+    if (grid.IsClear(origin, center)) return WalkRoutes::Ahead{center, door};
+  }
+  return std::nullopt;
+}
 
 // The next part of the way of a field.
 std::optional<WalkRoutes::Ahead> AheadIn(const WalkField& field, const Vec2& from) {
   const std::optional<std::size_t> start = field.StartOf(from);
   if (!start) return std::nullopt;
   const WalkGrid& grid = field.grid();
-  // Beside the free cells, where a person is pressed against a wall, or beyond the grid: back to them first.
-  if (*start != grid.CellOf(from) || !grid.Contains(from)) return WalkRoutes::Ahead{grid.CenterOf(*start)};
-  std::optional<std::size_t> door = grid.DoorOf(*start);
-  const int door_steps = static_cast<int>(kDoorAhead / grid.cell());
-  std::array<std::size_t, kLookAhead> way;
-  int steps = 0;
-  for (std::size_t at = *start; steps < kLookAhead; ++steps) {
-    const std::size_t next = field.NextCell(at);
-    if (next == at) break;  // the goal
-    way[static_cast<std::size_t>(steps)] = at = next;
-    if (!door && steps < door_steps) door = grid.DoorOf(next);
+  // Where a person is pressed against a wall it is beside the free cells, and walks as from the nearest one: the wall
+  // keeps it from the corners that it would cut. Farther away, or beyond the grid: back to them first.
+  Vec2 origin = from;
+  if (*start != grid.CellOf(from) || !grid.Contains(from)) {
+    origin = grid.CenterOf(*start);
+    if ((origin - from).norm() > kPressed) return WalkRoutes::Ahead{origin};
   }
-  const bool is_near = steps == 0 || field.IsTarget(way[static_cast<std::size_t>(steps) - 1]);
-  if (is_near && grid.IsClear(from, *field.target())) return WalkRoutes::Ahead{*field.target(), door};
-  // The farthest cell of the way in sight, nearly: straight lines in place of the steps of the grid. A few tests,
-  // because each costs a line of cells.
-  for (int ahead = steps; ahead > 1; ahead = ahead * 3 / 4) {
-    const Vec2 center = grid.CenterOf(way[static_cast<std::size_t>(ahead) - 1]);
-    if (grid.IsClear(from, center)) return WalkRoutes::Ahead{center, door};
+  // All cells of a block use the way from one of them: most of it has been found for others.
+  const std::size_t shared = field.SharedStart(*start);
+  if (const auto ahead = SeeAhead(field, shared, origin)) return ahead;
+  if (shared != *start) {
+    if (const auto ahead = SeeAhead(field, *start, origin)) return ahead;
   }
-  return WalkRoutes::Ahead{steps > 0 ? grid.CenterOf(way[0]) : *field.target(), door};
+  const std::size_t next = field.NextCell(*start);
+  return WalkRoutes::Ahead{next != *start ? grid.CenterOf(next) : *field.target(), grid.DoorOf(*start)};
 }
 
 std::optional<double> LengthIn(const WalkField& field, const Vec2& from) {

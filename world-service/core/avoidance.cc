@@ -9,9 +9,13 @@ namespace {
 
 constexpr double kAvoidReach = 5.0;        // m: others farther away are not avoided
 constexpr std::size_t kMaxNeighbors = 12;  // the nearest
-constexpr double kWalkerHorizon = 1.5;     // s
+constexpr double kWalkerHorizon = 1.0;     // s
+constexpr double kBoundHorizon = 1.5;      // s, of people who get on or off a lift: they have no other way round
 constexpr double kWallHorizon = 0.5;       // s
 constexpr double kGap = 0.01;              // m that people leave to others and to walls if they can
+constexpr double kOneWay = 3.0;            // how much more people of one way care for those before them alone
+constexpr double kGoesFirst = 0.2;         // of the avoidance: one that has less to do does nothing
+constexpr double kPress = 0.5;             // m/s, of one that goes first: others make room for it, even if it stands
 constexpr double kSight = 4.0;             // m at which curious and scared people notice a robot
 constexpr double kForget = 6.0;            // m at which curious ones forget the robots that they have watched
 constexpr double kWatchDistance = 1.2;     // m between a curious person and a robot
@@ -35,6 +39,17 @@ const Disc* NearestRobot(const PeopleView& view, std::size_t i) {
     number = k;
   });
   return nearest;
+}
+
+// The share of a person in the avoidance of another one; both together make all of it. Halves where they meet from
+// opposite sides. Else the one that is before the other, as they look, does less: people look ahead, and leave it to
+// those behind them to keep clear. The more they have one way, the more it is so: at a doorway one goes first.
+double ShareBeside(const Disc& me, const Disc& other) {
+  const Vec2 to = other.center - me.center;
+  const double distance = to.norm();
+  if (distance == 0.0) return 0.5;
+  const double is_ahead = to.dot(me.heading + other.heading) / (2.0 * distance);  // -1: the other is behind, to 1
+  return std::clamp(0.5 + (1.0 + kOneWay * std::max(0.0, me.heading.dot(other.heading))) * is_ahead, 0.0, 1.0);
 }
 
 }  // namespace
@@ -64,19 +79,23 @@ std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonSta
   return robot->center;
 }
 
-Avoidance::Avoidance(const PeopleView& view) : view_(view), orca_({kWalkerHorizon, kWallHorizon, view.seconds()}) {}
+Avoidance::Avoidance(const PeopleView& view)
+    : view_(view),
+      orca_({kWalkerHorizon, kWallHorizon, view.seconds()}),
+      bound_orca_({kBoundHorizon, kWallHorizon, view.seconds()}) {}
 
-Vec2 Avoidance::Velocity(PersonId id, const Vec2& preferred) {
+Vec2 Avoidance::Velocity(PersonId id, const Vec2& preferred, bool steers) {
   const Disc& me = view_.disc(id.index());
-  FindOthers(id);
+  FindOthers(id, steers);
   FindWalls(id);
   // The gap is added to the radius of the walker, not kept as a constraint of its own: where there is no room for it,
   // ORCA gives the velocity that violates it least, and the bodies still do not meet.
-  const Walker walker{me.center, me.velocity, preferred, me.radius + kGap, view_.world().person(id).max_speed};
-  return orca_.Velocity(walker, neighbors_, nearest_);
+  Walker walker{me.center, me.velocity, preferred, me.radius + kGap, view_.world().person(id).max_speed};
+  if (steers) walker.preferred = steering_.Prefer(walker, neighbors_, nearest_);
+  return (steers ? orca_ : bound_orca_).Velocity(walker, neighbors_, nearest_);
 }
 
-void Avoidance::FindOthers(PersonId id) {
+void Avoidance::FindOthers(PersonId id, bool steers) {
   const std::size_t i = id.index();
   const Disc& me = view_.disc(i);
   const PersonReaction reaction = view_.world().person(id).reaction;
@@ -102,11 +121,21 @@ void Avoidance::FindOthers(PersonId id) {
   neighbors_.clear();
   for (const NearDisc& near : others_) {
     const Disc& other = view_.disc(near.number);
-    // People avoid each other by halves (reciprocal); a robot keeps its way, so that the person does all of it.
+    // A robot keeps its way, so that the person does all of the avoidance.
     const bool avoids = other.pieces == nullptr;
     const bool is_feared = other.is_robot && reaction == PersonReaction::kScared;
+    const double radius = other.radius + (is_feared ? kScaredGap : 0.0);
+    if (!avoids) {
+      neighbors_.push_back({other.center, other.velocity, radius, 1.0});
+      continue;
+    }
+    const double share = steers ? ShareBeside(me, other) : 0.5;
+    // It is for the other one to keep clear.
+    if (share <= kGoesFirst) continue;
+    const bool makes_room = share > 0.5 && other.heading.dot(me.center - other.center) > 0.0 &&
+                            other.velocity.squaredNorm() < kPress * kPress;
     neighbors_.push_back(
-        {other.center, other.velocity, other.radius + (is_feared ? kScaredGap : 0.0), avoids ? 0.5 : 1.0});
+        {other.center, makes_room ? Vec2(kPress * other.heading) : other.velocity, radius, share, other.heading});
   }
 }
 

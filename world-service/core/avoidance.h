@@ -1,10 +1,12 @@
 // Avoidance: the second half of a person's decision, after WalkAlone (preferred_velocity.h) has found the velocity that
 // it would have alone. Private to this folder.
 //
-// First its reaction to robots changes that velocity (ReactToRobots). Then ORCA (common/crowd/orca.h) finds the nearest
-// velocity that leads to no collision within a horizon of time: with other people and robots, which are discs, and with
-// walls and objects, whose sides are segments. A person reckons with half of the avoidance by another person, who does
-// the same, and with all of it by a robot, which does not avoid.
+// First its reaction to robots changes that velocity (ReactToRobots). Then it chooses a direction and a speed among the
+// others (common/crowd/steering.h), and ORCA (common/crowd/orca.h) finds the nearest velocity that leads to no
+// collision within a horizon of time: with other people and robots, which are discs, and with walls and objects, whose
+// sides are segments. Two people share the avoidance: by halves where they meet from opposite sides; else the one
+// behind does more, up to all of it, and makes room for one before it that presses on. These rules settle who goes
+// first where ORCA alone would have both stand. A robot does not avoid, and a person does all of it.
 //
 // Everything is read from a PeopleView, which no thread changes while people decide. So each thread has an Avoidance of
 // its own, and the velocity of a person does not depend on the thread that finds it. Nearest things are ordered by
@@ -20,6 +22,7 @@
 #include <vector>
 
 #include "common/crowd/orca.h"
+#include "common/crowd/steering.h"
 #include "common/spatial/static_index.h"
 #include "world-service/core/people_view.h"
 
@@ -39,17 +42,20 @@ class Avoidance {
   // REQUIRES: `view` outlives this.
   explicit Avoidance(const PeopleView& view);
 
-  // The velocity next to the preferred one that meets no other.
-  Vec2 Velocity(PersonId id, const Vec2& preferred);
+  // The velocity next to the preferred one that meets no other. `steers`: first the preferred velocity becomes that of
+  // a walker among others (common/crowd/steering.h), and it knows who goes first.
+  Vec2 Velocity(PersonId id, const Vec2& preferred, bool steers);
 
  private:
-  void FindOthers(PersonId id);
+  void FindOthers(PersonId id, bool steers);
   void FindWalls(PersonId id);
   // The sides of a piece that the person sees.
   void AddWalls(const ConvexPiece& piece, const Disc& me);
 
   const PeopleView& view_;
   Orca orca_;
+  Orca bound_orca_;  // without steering
+  Steering steering_;
   // Lists of the last call of Velocity, kept for their memory: a tick calls it for each person.
   std::vector<NearDisc> others_;   // people and robots
   std::vector<NearDisc> objects_;  // whose sides are walls

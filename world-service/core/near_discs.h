@@ -23,6 +23,7 @@ namespace troupe {
 struct Disc {
   Vec2 center{0.0, 0.0};  // m
   Vec2 velocity{0.0, 0.0};
+  Vec2 heading{0.0, 0.0};  // of length 1, of a person that walks
   double radius = 0.0;
   ZRange z;
   bool is_robot = false;

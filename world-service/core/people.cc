@@ -20,6 +20,7 @@ constexpr std::uint64_t kSwayStream = 0x7377'6179;
 
 constexpr double kSway = 0.02;            // of the speed, to all sides: two that are as mirrors of each other pass
 constexpr double kTurnRate = 4.0;         // rad/s
+constexpr double kIntent = 0.5;           // people look where they would like to go, too: others see it
 constexpr double kStroll = 0.1;           // m/s: slower ones keep their heading
 constexpr std::size_t kPeopleClaim = 16;  // people that a thread claims at a time
 
@@ -37,11 +38,11 @@ void Decide(const PeopleView& view, PersonId id, Avoidance& avoidance, PersonSta
     preferred += size * Vec2(RandomUniform({view.world().seed, kSwayStream, id.index(), tick, 0}) - 0.5,
                              RandomUniform({view.world().seed, kSwayStream, id.index(), tick, 1}) - 0.5);
   }
-  const Vec2 velocity = avoidance.Velocity(id, preferred);
+  const Vec2 velocity = avoidance.Velocity(id, preferred, !walk.is_bound);
   person.vx = velocity.x();
   person.vy = velocity.y();
-  const Vec2 ahead = look_at ? Vec2(*look_at - view.disc(id.index()).center) : velocity;
-  // The direction of a very slow velocity is mostly avoidance, and would make the person spin.
+  const Vec2 ahead = look_at ? Vec2(*look_at - view.disc(id.index()).center) : Vec2(velocity + kIntent * preferred);
+  // Very slow and without a way: the direction is mostly avoidance, and would make the person spin.
   if (!look_at && ahead.squaredNorm() < kStroll * kStroll) return;
   const double most = kTurnRate * view.seconds();
   const double turn = WrapAngle(Atan2(ahead.y(), ahead.x()) - person.X_WP.heading);

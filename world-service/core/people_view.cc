@@ -3,7 +3,19 @@
 #include <algorithm>
 #include <optional>
 
+#include "troupe/deterministic_math.h"
+
 namespace troupe {
+
+namespace {
+
+Vec2 HeadingOf(const PersonState& state) {
+  if (state.dwell_ticks > 0) return {0.0, 0.0};  // it waits
+  const SinCosResult direction = SinCos(state.X_WP.heading);
+  return {direction.cos, direction.sin};
+}
+
+}  // namespace
 
 PeopleView::PeopleView(const StepWorkspace& workspace)
     : workspace_(workspace), discs_of_people_(workspace.next.people.size()) {
@@ -24,6 +36,7 @@ void PeopleView::AddPeople() {
     const Body& body = scene().body(scene().body_of(PersonId(i)));
     discs_.push_back({.center = state.X_WP.translation(),
                       .velocity = {state.vx, state.vy},
+                      .heading = HeadingOf(state),
                       .radius = RadiusOf(scene(), PersonId(i)),
                       .z = Exists(i) ? body.z + state.X_WP.z : ZRange()});
   }

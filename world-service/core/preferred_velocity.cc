@@ -76,6 +76,12 @@ class Walk {
     if (!leader_) ArriveAtGoal(view_.world(), id_, person_);
   }
 
+  // Without a time to wait it does not stop for a tick at its goal, in the way of all behind it.
+  Vec2 SetOut() const {
+    const bool goes_on = person_.dwell_ticks == 0 && !view_.world().goal_sets[person_.goals].next.empty();
+    return goes_on ? Vec2(view_.person(i_).vx, view_.person(i_).vy) : Vec2(0.0, 0.0);
+  }
+
   AloneWalk ToGoal() {
     const GoalSet& set = view_.world().goal_sets[person_.goals];
     const WalkRoutes::Goal goal{person_.goals, person_.goal};
@@ -89,7 +95,7 @@ class Walk {
       const bool is_there = level == routes_.LevelOf(id_, goal) && (set.points[goal.point] - here_).norm() <= set.reach;
       if (is_there) {
         Arrive();  // also in a cabin
-        return {};
+        return {SetOut()};
       }
       if (const std::optional<std::uint32_t> lift = CabinAround(view_, person_.X_WP)) {
         GetIn(*lift, goal);
@@ -145,7 +151,7 @@ class Walk {
     const double distance = (*target - here_).norm();
     if (distance <= set.reach || (distance <= kQueueReach && IsInQueue(*target))) {
       Arrive();
-      return {0.0, 0.0};
+      return SetOut();
     }
     const std::optional<WalkRoutes::Ahead> ahead = routes_.AheadTo(id_, goal, here_);
     if (!ahead) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 
 #include "common/model/states.h"
 #include "common/spatial/walk_routes.h"
@@ -171,38 +170,6 @@ TEST(People, ARobotStopsAtAPerson) {
   EXPECT_TRUE(run.state.robots[0].stalled);
   EXPECT_LT(run.state.robots[0].X_WR.x, 2.1 - 0.25 - 0.23);
   EXPECT_FALSE(FindOverlap(*run.scene, run.state, run.scene->world().person(person).root));
-}
-
-// People who go through a door of `width` m, by metre and second, between a quarter and three quarters of them.
-double FlowThroughDoor(double width, std::size_t people) {
-  PeopleWorld test;
-  test.AddModel(Box(0.0, -8.0, 0.2, -0.5 * width), {0.0, 2.0});
-  test.AddModel(Box(0.0, 0.5 * width, 0.2, 8.0), {0.0, 2.0});
-  const std::uint32_t goals = test.AddGoals({{12.0, 0.0}});
-  for (std::size_t i = 0; i < people; ++i) {
-    const Vec2 at(-1.0 - 0.7 * static_cast<double>(i / 10), -3.15 + 0.7 * static_cast<double>(i % 10));
-    test.AddPerson(at, goals, PersonReaction::kRegular, 0.2);
-  }
-  PeopleRun run(test.world);
-  int first = 0;
-  for (int tick = 1; tick < 3000; ++tick) {
-    run.Step();
-    const auto through =
-        static_cast<std::size_t>(std::count_if(run.state.people.begin(), run.state.people.end(),
-                                               [](const PersonState& person) { return person.X_WP.x > 0.2; }));
-    if (first == 0 && through >= people / 4) first = tick;
-    if (through >= 3 * people / 4) return static_cast<double>(people) / 2.0 / (0.1 * (tick - first)) / width;
-  }
-  return 0.0;
-}
-
-TEST(People, TheFlowThroughADoorIsThatOfExperiments) {
-  // 1.2 to 1.9 people per metre and second in experiments with bottlenecks (Seyfried et al., 2009); 1.3 in guidelines.
-  const double flow = FlowThroughDoor(1.0, 60);
-  RecordProperty("people_per_metre_and_second", std::to_string(flow));
-  std::cout << "flow: " << flow << " people per metre and second\n";
-  EXPECT_GT(flow, 0.8);
-  EXPECT_LT(flow, 2.0);
 }
 
 TEST(WalkRoutes, AGoalInAWallIsThePlaceBesideIt) {
