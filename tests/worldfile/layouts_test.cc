@@ -16,7 +16,6 @@ using test::ValueOf;
 using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
-using testing::Field;
 using testing::HasSubstr;
 
 std::string LayoutSites() {
@@ -212,8 +211,8 @@ TEST(Layouts, AreWorldsOfRobotsOnLanes) {
   const LoadedWorld plan = ValueOf(LoadWorld(LayoutSites() + "warehouse.lif.json"));
   EXPECT_TRUE(plan.warnings.empty());
   EXPECT_THAT(plan.world.places,
-              Contains(AllOf(Field(&NamedPlace::name, "bay"),
-                             Field(&NamedPlace::tags, ElementsAre("ground", "charger", "dock:dock_b")))));
+              Contains(AllOf(testing::Field(&NamedPlace::name, "bay"),
+                             testing::Field(&NamedPlace::tags, ElementsAre("ground", "charger", "dock:dock_b")))));
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
   overrides.check_in_world = CheckControllerNeeds;
