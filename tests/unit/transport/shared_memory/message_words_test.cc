@@ -136,7 +136,7 @@ TEST(MessageWordsTest, RandomWordsAreReadOrRefused) {
   std::mt19937_64 random(1);
   const FrameMessage frame = SomeFrame();
   const ProposalMessage proposal = SomeProposal();
-  const Memory memory(200);
+  const Memory memory(400);
   FrameMessage came;
   ProposalMessage proposed;
   int read = 0;
@@ -159,7 +159,7 @@ TEST(MessageWordsTest, RandomWordsAreReadOrRefused) {
 
 TEST(ProposalWordsTest, ProposalArrivesIntact) {
   const ProposalMessage sent = SomeProposal();
-  const Memory memory(100);
+  const Memory memory(200);
   WordWriter writer(memory.all());
   AddProposal(sent, writer);
   ProposalMessage came;
@@ -169,7 +169,7 @@ TEST(ProposalWordsTest, ProposalArrivesIntact) {
 
 TEST(ProposalWordsTest, CutProposalAndRobotsOutOfOrderAreRefused) {
   ProposalMessage sent = SomeProposal();
-  const Memory memory(100);
+  const Memory memory(200);
   WordWriter writer(memory.all());
   AddProposal(sent, writer);
   ProposalMessage came;
