@@ -83,7 +83,7 @@ TEST(TrafficOverDds, HasTheSameSumsInEveryKindOfRun) {
   TemporaryFolder folder;
   const auto sums_of = [&](const std::vector<std::string>& options) {
     const std::string file = folder.Path("summary");
-    OutputOf(Troupe(RunOf(kSidings, Words("--ticks 900 --speed max --summary %", {file}) + options)));
+    OutputOf(Troupe(RunOf(kSidings, Words("--ticks 1500 --speed max --summary %", {file}) + options)));
     const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"));
     return nlohmann::json{summary["traffic"], summary["waits"]};
   };
