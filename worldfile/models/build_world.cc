@@ -369,8 +369,12 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
     }
   }
   loaded.files = tree.files;
-  const std::vector<std::string> bitmaps = context.bitmaps.Paths();
-  loaded.files.insert(loaded.files.end(), bitmaps.begin(), bitmaps.end());
+  for (const std::string& bitmap : context.bitmaps.Paths()) {
+    // A map of cells is the file of its world and of its bitmap.
+    if (std::find(loaded.files.begin(), loaded.files.end(), bitmap) == loaded.files.end()) {
+      loaded.files.push_back(bitmap);
+    }
+  }
   std::tie(loaded.map_width, loaded.map_height) = context.bitmaps.LargestSize();
   loaded.warnings = tree.warnings;
   const std::vector<Warning>& warnings = context.diagnostics.warnings();
