@@ -194,9 +194,9 @@ inline CrowdWorld CorridorWorld(double density, std::uint64_t seed) {
   constexpr int kLanes = 5;
   for (int i = 0; i < kLanes; ++i)
     goals.push_back(crowd.AddGoals({{kLength + 58.0, kRoom * (i / (kLanes - 1.0) - 0.5)}}));
-  const auto people = static_cast<std::size_t>(density * kLength * kWidth + 0.5);
+  const auto people = static_cast<std::size_t>(std::lround(density * kLength * kWidth));
   // In rows on a lattice: random places leave no room from 2 persons per square metre on.
-  const int files = std::max(2, static_cast<int>(kWidth * std::sqrt(density) + 0.5));
+  const int files = std::max(2, static_cast<int>(std::lround(kWidth * std::sqrt(density))));
   const int rows = (static_cast<int>(people) + files - 1) / files;
   for (std::size_t i = 0; i < people; ++i) {
     const int row = static_cast<int>(i) / files;
@@ -214,9 +214,9 @@ CorridorFlow MeasureCorridor(double density, std::uint64_t seed) {
   CorridorFlow result;
   std::size_t samples = 0;
   std::size_t ticks = 0;
-  for (double t = 0.0; t < 10.0; t += run.seconds()) {
+  for (int tick = 0; tick * run.seconds() < 10.0; ++tick) {
     run.Step();
-    if (t < 4.0) continue;
+    if (tick * run.seconds() < 4.0) continue;
     ++ticks;
     for (std::size_t i = 0; i < run.size(); ++i) {
       if (run.At(i).x() < 24.0 || run.At(i).x() > 36.0) continue;
@@ -271,7 +271,7 @@ inline CrowdWorld RingWorld(double width, double density, int backwards, std::ui
     }
   }
   const double area = kPi * (outer * outer - inner * inner);
-  const auto people = static_cast<std::size_t>(density * area + 0.5);
+  const auto people = static_cast<std::size_t>(std::lround(density * area));
   // Rows across the corridor, as dense as it needs, on a lattice: random places leave no room from 2 persons per
   // square metre on.
   const double pitch = std::sqrt(area / static_cast<double>(people));
@@ -304,17 +304,20 @@ RingFlow MeasureRing(double width, double density, int backwards, std::uint64_t 
   const double outer = kRing + 0.5 * width;
   result.density = static_cast<double>(run.size()) / (kPi * (outer * outer - inner * inner));
   const auto is_back = [&](std::size_t i) { return backwards > 0 && i % static_cast<std::size_t>(backwards) == 0; };
-  double t = 0.0;
-  for (; t < warm_up; t += run.seconds()) run.Step();
+  const auto measured_from = static_cast<int>(std::lround(warm_up / run.seconds()));
+  const auto measured_to = static_cast<int>(std::lround((warm_up + seconds) / run.seconds()));
+  int tick = 0;
+  for (; tick < measured_from; ++tick) run.Step();
   std::size_t samples = 0;
   double order = 0.0;
   std::size_t orders = 0;
-  for (; t < warm_up + seconds; t += run.seconds()) {
+  for (; tick < measured_to; ++tick) {
     run.Step();
     constexpr int kSectors = 24;
     constexpr int kRadii = 5;
-    std::vector<int> forth(kSectors * kRadii);
-    std::vector<int> back(kSectors * kRadii);
+    constexpr std::size_t kPlaces = 120;  // of both
+    std::vector<int> forth(kPlaces);
+    std::vector<int> back(kPlaces);
     for (std::size_t i = 0; i < run.size(); ++i) {
       const Vec2 at = run.At(i);
       const Vec2 along = Vec2(-at.y(), at.x()) / at.norm() * (is_back(i) ? -1.0 : 1.0);
@@ -324,7 +327,8 @@ RingFlow MeasureRing(double width, double density, int backwards, std::uint64_t 
       ++samples;
       const int sector = static_cast<int>((std::atan2(at.y(), at.x()) / (2.0 * kPi) + 0.5) * kSectors) % kSectors;
       const int ring = std::clamp(static_cast<int>((at.norm() - inner) / width * kRadii), 0, kRadii - 1);
-      ++(is_back(i) ? back : forth)[static_cast<std::size_t>(sector * kRadii + ring)];
+      const int place = sector * kRadii + ring;
+      ++(is_back(i) ? back : forth)[static_cast<std::size_t>(place)];
     }
     for (std::size_t k = 0; k < forth.size(); ++k) {
       const int all = forth[k] + back[k];

@@ -56,7 +56,8 @@ void Run(std::uint64_t seeds) {
       const OpeningFlow result = MeasureOpening<TimedRun>(width, 100, seed);
       Print("opening", width, "flow", result.flow, result.least_gap);
     }
-    for (double density = 0.25; density < 3.95; density += 0.25) {
+    for (int quarters = 1; quarters < 16; ++quarters) {
+      const double density = 0.25 * quarters;
       const CorridorFlow result = MeasureCorridor<TimedRun>(density, seed);
       Print("corridor", result.density, "speed", result.speed, result.least_gap);
     }

@@ -11,6 +11,7 @@
 #include <limits>
 #include <vector>
 
+#include "benchmarks/people_experiments.h"
 #include "troupe/world_description.h"
 
 namespace troupe::bench {

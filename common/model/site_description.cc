@@ -64,7 +64,8 @@ std::string NameOfLane(const LaneGraph& graph, std::size_t lane) {
   return NameOfLane(graph, WholeLaneOf(graph, lane));
 }
 
-// Valid graphs lead on from each waiting point, and back to a vertex of the site; others are followed as far as it goes.
+// Valid graphs lead on from each waiting point, and back to a vertex of the site; others are followed as far as it
+// goes.
 std::vector<WholeLane> WholeLanesOf(const LaneGraph& graph) {
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::vector<std::size_t> onward(graph.vertices.size(), kNone);  // by waiting point: the lane out of it

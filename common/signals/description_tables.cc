@@ -83,15 +83,15 @@ StateTable MakeLanes() {
     return GraphOf(view, row).Way(lane.start, lane.end).norm();
   });
   AddCounts(table, "number of them on its level with the origin within 0.5 m of its line", IsOnLane);
-  table.AddTruth("open", "all doors that it passes are as far open as they can be",
-                 [](const SignalView& view, std::size_t row) {
-                   const auto is_open = [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; };
-                   const std::vector<std::uint32_t>& parts = LaneOf(view, row).parts;
-                   return std::all_of(parts.begin(), parts.end(), [&](std::uint32_t part) {
-                     const std::vector<LaneDoor>& doors = GraphOf(view, row).lanes[part].doors;
-                     return std::all_of(doors.begin(), doors.end(), is_open);
-                   });
-                 });
+  table.AddTruth(
+      "open", "all doors that it passes are as far open as they can be", [](const SignalView& view, std::size_t row) {
+        const auto is_open = [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; };
+        const std::vector<std::uint32_t>& parts = LaneOf(view, row).parts;
+        return std::all_of(parts.begin(), parts.end(), [&](std::uint32_t part) {
+          const std::vector<LaneDoor>& doors = GraphOf(view, row).lanes[part].doors;
+          return std::all_of(doors.begin(), doors.end(), is_open);
+        });
+      });
   table.AddTruth("barred", "an operator has closed it, or a keepout zone that is on is on it",
                  [](const SignalView& view, std::size_t row) {
                    const LaneRow& lane = view.things.lanes()[row];

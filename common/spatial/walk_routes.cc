@@ -60,9 +60,9 @@ std::optional<WalkRoutes::Ahead> AheadIn(const WalkField& field, const Vec2& fro
   }
   // All cells of a block use the way from one of them: most of it has been found for others.
   const std::size_t shared = field.SharedStart(*start);
-  if (const auto ahead = SeeAhead(field, shared, origin)) return ahead;
+  if (auto ahead = SeeAhead(field, shared, origin)) return ahead;
   if (shared != *start) {
-    if (const auto ahead = SeeAhead(field, *start, origin)) return ahead;
+    if (auto ahead = SeeAhead(field, *start, origin)) return ahead;
   }
   const std::size_t next = field.NextCell(*start);
   return WalkRoutes::Ahead{next != *start ? grid.CenterOf(next) : *field.target(), grid.DoorOf(*start)};

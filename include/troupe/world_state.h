@@ -251,8 +251,8 @@ struct WorldState {
   std::vector<CoverageState> coverage = {};
   std::vector<ChargingRobot> charging_robots = {};  // ascending
   std::vector<FlowState> flows = {};
-  std::vector<Job> jobs = {};  // in the order of their times, then of flows
-  std::vector<RobotWait> waits = {};              // ascending
+  std::vector<Job> jobs = {};         // in the order of their times, then of flows
+  std::vector<RobotWait> waits = {};  // ascending
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{

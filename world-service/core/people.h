@@ -8,10 +8,10 @@
 // rests stands still.
 //
 // A decision has three parts: the goal and the velocity that a person would have alone
-// (preferred_velocity.h), its reaction to robots and the avoidance of others (avoidance.h), and its heading. The parts
-// read one PeopleView and write one plan, so that any number of threads gives the same plans. Moves
-// (pedestrian_motion.h) are by one thread, because each depends on the previous ones; they take far less time than the
-// decisions.
+// (preferred_velocity.h), its reaction to robots, its steering among others and their avoidance (avoidance.h), and its
+// heading, which others see and take for its way. The parts read one PeopleView and write one plan, so that any number
+// of threads gives the same plans. Moves (pedestrian_motion.h) are by one thread, because each depends on the previous
+// ones; they take far less time than the decisions.
 #pragma once
 
 #include "common/base/thread_pool.h"

@@ -1,5 +1,5 @@
-// RobotTotals: distance, contacts and goals of each robot in a run, its traffic, the goods of its flows and the cover of
-// its cleaning zones, for the summary: an observer that adds them up.
+// RobotTotals: distance, contacts and goals of each robot in a run, its traffic, the goods of its flows and the cover
+// of its cleaning zones, for the summary: an observer that adds them up.
 //
 // Counts begin at the newest fresh start, and at the start of a service that continues a run: totals are not
 // journalled, because they matter to readers of the summary only and would grow every record. Edits move robots without

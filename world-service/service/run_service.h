@@ -59,7 +59,7 @@ struct RunSummary {
   std::uint64_t totals_since = 0;      // the tick from which on they count
   std::vector<FlowTotal> flows;        // of goods
   std::vector<CleaningTotal> cleaning;
-  std::optional<TripSummary> trips;    // of a problem of paths
+  std::optional<TripSummary> trips;  // of a problem of paths
 };
 inline constexpr std::size_t kMaxWaitPlaces = 10;
 inline constexpr std::size_t kMaxRobotTotals = 1000;

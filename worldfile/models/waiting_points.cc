@@ -87,7 +87,8 @@ class LaneCutter {
       const Vec2 point = start.position + share * way;
       if (!IsFree(point, start.z, whole)) continue;
       const auto vertex = static_cast<std::uint32_t>(graph_.vertices.size());
-      graph_.vertices.push_back({.name = "", .position = point, .z = start.z, .dock = "", .mutex = "", .is_between = true});
+      graph_.vertices.push_back(
+          {.name = "", .position = point, .z = start.z, .dock = "", .mutex = "", .is_between = true});
       End(last, vertex, share * length, whole);
       last = {vertex, share * length, graph_.lanes.size()};
       graph_.lanes.push_back(whole);
