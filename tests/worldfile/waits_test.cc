@@ -14,7 +14,7 @@ namespace troupe {
 namespace {
 
 // Two ways from a to b; the one through the middle is shorter.
-constexpr const char* kTwoWays = R"(
+constexpr const char* kTwoRoutes = R"(
 name: two_ways
 coordinate_system: cartesian_meters
 levels:
@@ -47,7 +47,7 @@ levels:
 )";
 
 // A door beside the start.
-constexpr const char* kGate = R"(
+constexpr const char* kGatedLane = R"(
 name: gate
 coordinate_system: cartesian_meters
 levels:
@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(PlannedOrNot, WaitsAtABox, testing::Bool());
 
 TEST(PlannedWaits, ALaneThatABoxClosesIsToldOnceAndTheRobotGoesRound) {
   test::TemporaryFolder folder;
-  ScenarioRun run(LoadWithBox(folder, kTwoWays, true));
+  ScenarioRun run(LoadWithBox(folder, kTwoRoutes, true));
   run.Run(600);
   ASSERT_EQ(CountEvents(run, EventType::kReplanned), 1u);
   const auto replanned = std::find_if(run.events().begin(), run.events().end(),
@@ -151,7 +151,7 @@ TEST(PlannedWaits, ARobotWithoutAWayIsToldAndTheLogIsNotFlooded) {
 TEST(Waits, ForADoorThatOpensHaveIt) {
   test::TemporaryFolder folder;
   for (const char* const parameters : {R"({"places": ["b"]})", R"({"places": ["b"], "planned": true})"}) {
-    WorldDescription world = LoadOnLanes(folder, kGate, OnLanes("r1", parameters));
+    WorldDescription world = LoadOnLanes(folder, kGatedLane, OnLanes("r1", parameters));
     world.doors[0].opening = 0.0;  // it opens for no robot by itself
     world.doors[0].detection_radius = 0.0;
     ScenarioRun run(std::move(world));
