@@ -52,10 +52,10 @@ constexpr bool IsOfTraffic(EventType type) {
   return type >= EventType::kWaitBegan;
 }
 constexpr auto NamesOf(EventType) {
-  return std::array{"stall_began",     "stall_ended",   "joined",       "left",         "proposal_rejected",
-                    "blocked",         "gripped",       "released",     "landed",       "unstable",
-                    "out_of_energy",   "said",          "reported",     "door_opened",  "door_closed",
-                    "door_blocked",    "lift_left",     "lift_arrived", "lift_blocked", "person_boarded",
+  return std::array{"stall_began",     "stall_ended",    "joined",       "left",         "proposal_rejected",
+                    "blocked",         "gripped",        "released",     "landed",       "unstable",
+                    "out_of_energy",   "said",           "reported",     "door_opened",  "door_closed",
+                    "door_blocked",    "lift_left",      "lift_arrived", "lift_blocked", "person_boarded",
                     "person_alighted", "person_arrived", "wait_began",   "wait_ended",   "deadlock_broken",
                     "replanned",       "no_way"};
 }

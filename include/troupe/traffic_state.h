@@ -1,5 +1,6 @@
-// The traffic of robots on lanes, as a part of a WorldState: who takes part, the plan for all of them, the lanes that it
-// does not use for a time, and what robots wait for. common/traffic/traffic_plan.h says how plans are made and executed.
+// The traffic of robots on lanes, as a part of a WorldState: who takes part, the plan for all of them, the lanes that
+// it does not use for a time, and what robots wait for. common/traffic/traffic_plan.h says how plans are made and
+// executed.
 //
 // Vertices and lanes are counted through all graphs of the world, in their order; the rides of lifts come after all
 // lanes.

@@ -268,9 +268,9 @@ struct WorldState {
 
 // The tables with another number of rows in each tick.
 template <typename Row>
-inline constexpr bool kIsVaryingTable = std::is_same_v<Row, RadioTransmission> || std::is_same_v<Row, TrafficRobot> ||
-                                        std::is_same_v<Row, TrafficMove> || std::is_same_v<Row, LaneClosure> ||
-                                        std::is_same_v<Row, RobotWait>;
+inline constexpr bool kIsVaryingTable =
+    std::is_same_v<Row, RadioTransmission> || std::is_same_v<Row, TrafficRobot> || std::is_same_v<Row, TrafficMove> ||
+    std::is_same_v<Row, LaneClosure> || std::is_same_v<Row, RobotWait>;
 
 // Calls visit(table) for each field that is a list of rows: Field<WorldState, std::vector<Row>>.
 template <typename Visit>
