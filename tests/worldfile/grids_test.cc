@@ -206,7 +206,8 @@ TEST_F(GridsTest, BadPathsGiveOneLineWithTheirPlace) {
   const std::string first = "Agent 0:(0,0)->(1,0)->(2,0)->(3,0)\n";
   const std::pair<std::string, std::string> bad[] = {
       {"Robot 0:(0,0)\n", "p.paths:1:1: error: found 'Robot 0:(0,0)', expected 'Agent N:' and its path"},
-      {"Agent 7:(0,0)\n", "p.paths:1:7: error: found no number of an agent, expected 0 to 1"},
+      {"Agent x:(0,0)\n", "p.paths:1:7: error: found no number of an agent, expected a whole number from 0"},
+      {"Agent 7:(0,0)\n", "p.paths: error: found no path of r0, expected one"},
       {"Agent 0 (0,0)\n", "p.paths:1:9: error: found '(0,0)', expected ':'"},
       {"Agent 0:(0,0)(1,0)\n", "p.paths:1:14: error: found '(1,0)', expected '->'"},
       {"Agent 0:(0,0)->(1,a)\n",

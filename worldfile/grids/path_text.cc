@@ -111,9 +111,10 @@ Result<std::vector<WrittenPath>> ReadTextPaths(const std::string& text, const st
     }
     const SourceLocation where = scanner.Where();
     const std::optional<double> number = scanner.Number();
-    if (!number || *number < 0.0 || *number != std::floor(*number) || *number >= static_cast<double>(agents)) {
-      return Error{where, fmt::format("found no number of an agent, expected 0 to {}", agents - 1)};
+    if (!number || *number < 0.0 || *number != std::floor(*number)) {
+      return Error{where, "found no number of an agent, expected a whole number from 0"};
     }
+    if (*number >= static_cast<double>(agents)) continue;  // of more agents than are asked for
     WrittenPath& written = paths[static_cast<std::size_t>(*number)];
     if (!written.places.empty()) {
       return Error{where, fmt::format("found agent {} again, expected each once", *number)};

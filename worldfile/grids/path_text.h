@@ -2,7 +2,8 @@
 //
 // Two forms, told apart by the first character that is not blank:
 //
-// - text, as SMART and many planners write it: a line `Agent N: (a,b,t)->(a,b,t)->...` each agent, with or without t.
+// - text, as SMART and many planners write it: a line `Agent N: (a,b,t)->(a,b,t)->...` each agent, with or without t;
+//   lines of further agents do not count.
 //   Cells are (x, y) or (row, column): the first of both that has all agents at their starts. t is the step; without it
 //   cells are a step apart. A cell that is repeated is a wait.
 // - JSON `{...}` of the League of Robot Runners: the member `actualPaths`, a string each agent. In the form since 2026
