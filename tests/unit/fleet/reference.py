@@ -420,7 +420,7 @@ class Vehicle:
                 self.maps.remove(found[0])
         elif a["type"] == "downloadMap" and found:
             a["status"] = "FAILED"
-            self.errors.append(("DUPLICATE_MAP", "WARNING", "instant"))
+            self.fail(a, "DUPLICATE_MAP")
         elif a["type"] == "waitForTrigger":
             a["status"] = "RUNNING"
 

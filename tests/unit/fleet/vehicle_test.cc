@@ -579,10 +579,9 @@ TEST_P(EachVersion, APositionIsSetWhereThereIsNoOrder) {
   EXPECT_EQ(vehicle.SendPlaces("o1", 0, "CB", 2), "new_order");
 }
 
-TEST_P(EachVersion, ATriggerAndARetry) {
-  if (!is_3()) GTEST_SKIP() << "of 3.0";
-  TestVehicle vehicle(GetParam());
-  Order order = SampleOrder(GetParam(), "o1", 0, "AB", 2);
+TEST(VehicleOf3, ATriggerAndARetry) {
+  TestVehicle vehicle(Version::k3_0);
+  Order order = SampleOrder(Version::k3_0, "o1", 0, "AB", 2);
   order.nodes[0].actions = {SampleActionOf("waitForTrigger", "w"), SampleActionOf("pick", "p")};
   order.nodes[0].actions[1].retriable = true;
   vehicle.Send(order);
