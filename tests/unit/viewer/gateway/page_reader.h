@@ -27,6 +27,7 @@ class PageReader : public ByteReader {
   void ReadInto(Twist& twist) { twist = {ReadFloat(), ReadFloat(), ReadFloat()}; }
   void ReadInto(double& number) { number = ReadDouble(); }
   void ReadInto(std::uint32_t& number) { number = ReadCount(); }
+  void ReadInto(std::uint64_t& number) { number = Read<std::uint64_t>(); }
   void ReadInto(bool& flag) { flag = ReadByte() != 0; }
   void ReadInto(ObjectMode& mode) { mode = static_cast<ObjectMode>(ReadByte()); }
   template <typename Tag>
