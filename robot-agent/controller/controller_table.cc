@@ -114,6 +114,7 @@ constexpr ParameterHelp kLanesParameters[] = {
     kChargeToHelp,
     {"close_doors", "flag", "", "true", 0.0, 0.0, "Close doors behind it"},
     {"planned", "flag", "", "true", 0.0, 0.0, "Take part in the planned traffic of the lanes"},
+    {"goods", "flag", "", "false", 0.0, 0.0, "Bring the goods of the flows of a scenario"},
     {"keep_place", "flag", "", "false", 0.0, 0.0, "Without repeat: go back to the last place after making room"},
     {"delay_probability", "number", "", "0", 0.0, 1.0, "In the planned traffic: to stand for a while before a move"},
     {"delay_min", "number", "s", "1", 0.0, 1e6, "The shortest of these delays"},

@@ -20,6 +20,7 @@ namespace {
 // "robots": RobotRow.
 std::string RowName(std::string_view table) {
   if (table == "people") return "PersonRow";
+  if (table == "coverage") return "CoverageRow";
   return CamelCase(table.substr(0, table.size() - 1), true) + "Row";
 }
 

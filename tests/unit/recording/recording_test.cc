@@ -316,7 +316,8 @@ TEST(IdlColumnsTest, HaveTheNamesOfTheFields) {
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
     tables.emplace_back(table.name);
     std::string type;  // without the s at the end, and a capital for each word
-    const std::string words = "_" + (tables.back() == "people" ? "persons" : tables.back());
+    std::string words = "_" + (tables.back() == "people" ? "persons" : tables.back());
+    if (words == "_coverage") words += "s";
     for (std::size_t i = 0; i + 1 < words.size(); ++i) {
       if (words[i] == '_') continue;
       type += words[i - 1] == '_' ? static_cast<char>(std::toupper(words[i])) : words[i];

@@ -59,6 +59,8 @@ TEST(ControllerTable, HasTheLimitsAndDefaultsThatControllersAccept) {
       if (row.name == "period") parameters["repeat"] = true;        // has no effect without it
       if (row.name == "charge_below") parameters["charge_to"] = 1;  // is not below it
       if (row.name == "charge_to") parameters["charge_below"] = 0;
+      if (row.name == "delay_min") parameters["delay_max"] = 1e6;  // is not below it
+      if (row.name == "delay_max") parameters["delay_min"] = 0;
       return Check(controller, parameters).ok();
     };
     // The number of a graph is a whole one.

@@ -137,10 +137,8 @@ struct ParsedUpdate {
     for (int kind = 0; kind < 5; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
     std::vector<CameraState> cameras;
     reader.ReadRows(cameras);
-    EXPECT_EQ(reader.ReadCount(), 0u);  // doors
-    EXPECT_EQ(reader.ReadCount(), 0u);  // lifts
-    EXPECT_EQ(reader.ReadCount(), 0u);  // people
-    EXPECT_EQ(reader.ReadCount(), 0u);  // events
+    // Doors, lifts, people, zones, their coverage, flows of goods; and events.
+    for (int kind = 0; kind < 7; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
     goals.resize(reader.ReadCount());
     for (ParsedGoal& goal : goals) {
       goal.robot = reader.ReadCount();

@@ -182,6 +182,7 @@ LaneGraph RandomMessages::RandomLanes(const WorldDescription& world) {
   for (LaneVertex& vertex : graph.vertices) {
     Fill(vertex);
     vertex.lift.reset();
+    vertex.is_between = false;
     if (world.lifts.empty() || Coin()) continue;
     vertex.lift = 0;
     vertex.floor = static_cast<std::uint32_t>(Below(world.lifts[0].floors.size()));
@@ -195,6 +196,14 @@ LaneGraph RandomMessages::RandomLanes(const WorldDescription& world) {
     for (std::size_t i = 0; i < world.doors.size() && Coin(); ++i) {
       lane.doors.push_back({static_cast<std::uint32_t>(i), static_cast<double>(i)});
     }
+  }
+  // A waiting point on a lane to the last vertex.
+  if (!graph.lanes.empty()) {
+    const auto point = static_cast<std::uint32_t>(graph.vertices.size());
+    LaneVertex& vertex = graph.vertices.emplace_back(graph.vertices.front());
+    vertex.is_between = true;
+    graph.lanes.push_back(graph.lanes.front());
+    graph.lanes.front().end = graph.lanes.back().start = point;
   }
   return graph;
 }
