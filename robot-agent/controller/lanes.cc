@@ -619,8 +619,20 @@ class LanesController final : public Controller, public RobotWatcher {
     if (!obstructed_since_) obstructed_since_ = now_->time;
     if (now_->time - *obstructed_since_ < GivingWay::kObstacleSeconds || asks_for_way_) return;
     asks_for_way_ = true;
-    command_.report = fmt::format("{} is in the way from {} to {}: asks for another way", what,
-                                  NameOf(*graph_, leg.from), NameOf(*graph_, leg.to));
+    command_.report = fmt::format("{} is in the way {}: asks for another way", what, NameOfWay(leg));
+  }
+
+  // "from a to b": along the lane of the site.
+  std::string NameOfWay(const Leg& leg) const {
+    std::size_t from = leg.from;
+    std::size_t to = leg.to;
+    if (leg.lane) {
+      const WholeLane whole = WholeLaneOf(*graph_, *leg.lane);
+      const bool is_forward = leg.from == lane(*leg.lane).start;
+      from = is_forward ? whole.start : whole.end;
+      to = is_forward ? whole.end : whole.start;
+    }
+    return fmt::format("from {} to {}", NameOf(*graph_, from), NameOf(*graph_, to));
   }
 
   // Before it is on a lane: another vertex may be free.
@@ -646,8 +658,7 @@ class LanesController final : public Controller, public RobotWatcher {
       } else if (target_) {
         then = "waits, since there is no better way to " + NameOf(*graph_, *target_);
       }
-      command_.report = fmt::format("{} is in the way from {} to {}: {}", what, NameOf(*graph_, leg.from),
-                                    NameOf(*graph_, leg.to), then);
+      command_.report = fmt::format("{} is in the way {}: {}", what, NameOfWay(leg), then);
     }
     Take(std::move(end.way));
   }

@@ -202,7 +202,7 @@ TEST(LanesOverDds, LeaveTheLiftOfALostRobotToOthers) {
        std::to_string(TestDomain()), session}));
   run.WaitForLine("ready");
   const auto ctl = [&](const std::vector<std::string>& words) { return OutputOf(Ctl(session, words)); };
-  ctl({"step", "200"});
+  ctl({"step", "250"});
   EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"tiny_1")"));
   Kill(run, "--robot=tiny_1");
   ctl({"step", "20"});
@@ -250,8 +250,8 @@ lifts:
 class ObstructedLanes : public testing::Test {
  protected:
   // The output of a run in which the robot `r` is to drive from a to b; `lanes`: those after the one from a to b. The
-  // robot is to be there at the end, or not.
-  std::string Run(const std::string& lanes, const std::string& obstacle, bool arrives) {
+  // robot is to be there at the end, or not. `planned`: in the planned traffic.
+  std::string Run(const std::string& lanes, const std::string& obstacle, bool planned, bool arrives) {
     folder_.Write("s.building.yaml", R"(
 coordinate_system: cartesian_meters
 levels:
@@ -264,8 +264,8 @@ levels:
 )");
     const std::string scenario = folder_.Write(
         "s.json", R"~({"world": "s.building.yaml", "ticks": 900, "expect": ["eventually at(r, \"b\")"], "robots": [
-          {"name": "r", "controller": {"name": "lanes", "parameters": {"places": ["b"], "repeat": false}}})~" +
-                      obstacle + "}");
+          {"name": "r", "controller": {"name": "lanes", "parameters": {"places": ["b"], "repeat": false, "planned": )~" +
+                      (planned ? "true}}}" : "false}}}") + obstacle + "}");
     OutputOf(Troupe({"test", scenario, "--no-shrink"}), arrives ? 0 : 1);
     return OutputOf(Troupe({"run", scenario, "--in-process", "--headless", "--no-ros"}));
   }
@@ -282,22 +282,28 @@ TEST_F(ObstructedLanes, AreLeftForOtherLanes) {
   const std::string closed =
       R"(], "override": [{"match": {"name": "gate"}, "properties": {"operated": 0, "opening": 0}}])";
   const std::pair<std::string, std::string> obstacles[] = {
-      {kBox, "box is in the way from a to b: goes round"},
+      {kBox, "box is in the way from a to b: "},
       {R"(], "people": [{"count": 1, "region": [1.59, -0.01, 1.61, 0.01], "name_prefix": "guest"}])", ""},
       {R"(, {"name": "lost", "model": "TinyRobot", "pose": [1.6, 0, 0], "controller": "idle"}])", ""},
-      {closed, "door gate, which does not open, is in the way from a to b: goes round"},
+      {closed, "door gate, which does not open, is in the way from a to b: "},
   };
-  for (const auto& [obstacle, report] : obstacles) {
-    const std::string output = Run(kRound, obstacle, true);
-    EXPECT_THAT(output, testing::HasSubstr(report));
-    EXPECT_THAT(output, testing::HasSubstr(" 0 stalls"));
+  for (const bool planned : {false, true}) {
+    const std::string then = planned ? "asks for another way" : "goes round";
+    for (const auto& [obstacle, report] : obstacles) {
+      const std::string output = Run(kRound, obstacle, planned, true);
+      EXPECT_THAT(output, testing::HasSubstr(report.empty() ? "" : report + then));
+      EXPECT_THAT(output, testing::HasSubstr(" 0 stalls"));
+    }
   }
 }
 
 TEST_F(ObstructedLanes, AreWaitedForWithoutOthers) {
-  const std::string output = Run("", kBox, false);
+  const std::string output = Run("", kBox, false, false);
   EXPECT_THAT(output, testing::HasSubstr("box is in the way from a to b: waits, since there is no better way to b"));
   EXPECT_THAT(output, testing::HasSubstr(" 0 stalls"));
+  const std::string planned = Run("", kBox, true, false);
+  EXPECT_THAT(planned, testing::HasSubstr("box is in the way from a to b: asks for another way"));
+  EXPECT_THAT(planned, testing::HasSubstr(" 0 stalls"));
 }
 
 TEST(DoorsOverDds, AreTheSameWhateverDies) {
