@@ -61,7 +61,7 @@ async function showsWaysAndWaits() {
 // Without a plan two robots stand face to face on the single track: a ring.
 async function showsRings() {
   const robots = [['tug_1', '["east_1"]'], ['tug_3', '["west_1"]']].map(
-    ([name, places]) => `{"name": "${name}", "controller": {"name": "lanes", "parameters": {"places": ${places}}}}`);
+    ([name, places]) => `{"name": "${name}", "controller": {"name": "lanes", "parameters": {"places": ${places}, "planned": false}}}`);
   const file = path('head_on.json');
   writeFileSync(file, `{"world": "${source}/worlds/sites/sidings.building.yaml", "robots": [${robots.join(', ')}]}`);
   const {run, page} = await start('ring', file);

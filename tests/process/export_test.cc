@@ -130,7 +130,7 @@ TEST_F(ExportTest, ForTablesHasTheColumnsThatTheirFirstLinesName) {
   ASSERT_THAT(poses, SizeIs(kTicks + 2));
   EXPECT_EQ(poses[0],
             "time,tick,robot,x,y,z,heading,vx,vy,wz,stalled,speed,level,energy,capacity,charging,"
-            "waiting,arrivals,waits_for");
+            "waiting,arrivals,waits_for,goods,loaded,wants_charge,wait_time,blocked_by");
   // The numbers are those of --poses.
   std::vector<std::string> of_run;
   for (const std::string& line : lines("run-poses")) {

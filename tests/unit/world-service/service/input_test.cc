@@ -136,11 +136,11 @@ TEST(InputsOfARun, AreRecordedAndReplayed) {
               1.0);
     EXPECT_TRUE(run.Ask(control::Lift{.name = "guest_lift", .floor = "L2"}).done);
     const LaneGraph graph = Scenario("../sites/guesthouse_lanes.json").lane_graphs[0];
-    const Lane& lane = graph.lanes[0];
+    const WholeLane lane = WholeLanesOf(graph)[0];
     const auto name = [&](std::size_t vertex) { return NameOfVertex(graph, vertex); };
     EXPECT_TRUE(run.Ask(control::Lane{.from = name(lane.end), .to = name(lane.start), .speed_limit = 0.0}).done);
     run.Step(1);
-    EXPECT_THAT(run.frame().state.lane_rules, testing::Not(testing::IsEmpty()));
+    ASSERT_THAT(run.frame().state.lane_rules, testing::Not(testing::IsEmpty()));
     EXPECT_EQ(run.frame().state.lane_rules[0], (LaneRule{0, 0.0}));
     run.Step(20);
     EXPECT_EQ(run.frame().edition, 0u);
