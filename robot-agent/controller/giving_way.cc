@@ -105,7 +105,7 @@ std::optional<LaneRoute> GivingWay::FindRoute(std::size_t from, std::size_t to, 
 }
 
 std::vector<std::size_t> GivingWay::ClosedAt(double time) const {
-  const std::vector<std::size_t> closed = closed_.At(time);
+  std::vector<std::size_t> closed = closed_.At(time);
   if (barred_.empty()) return closed;
   std::vector<std::size_t> all;
   std::set_union(closed.begin(), closed.end(), barred_.begin(), barred_.end(), std::back_inserter(all));

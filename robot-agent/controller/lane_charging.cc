@@ -94,10 +94,6 @@ void LaneCharging::Choose(double time, std::size_t at, const std::vector<std::si
 }
 
 void LaneCharging::GiveUp(double time) {
-  if (!wants_) {
-    off_.reset();
-    return;
-  }
   wants_ = false;
   after_ = time + kNextCharge;
 }

@@ -39,8 +39,10 @@ class LaneCharging {
   std::optional<std::size_t> way_off() const { return off_; }
   // While it wants to charge.
   ChargeOrder order() const { return order_; }
-  // The charger gives no power, or cannot be reached: it goes on without, for a while. Or it cannot leave a charger.
+  // The charger gives no power, or cannot be reached: it goes on without, for a while.
   void GiveUp(double time);
+  // It cannot go from its charger.
+  void GiveUpWayOff() { off_.reset(); }
 
  private:
   bool IsFree(std::size_t vertex) const;

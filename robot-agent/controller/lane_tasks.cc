@@ -136,7 +136,7 @@ void LaneTasks::LeaveOut(const Observation& observation) {
   } else if (home_) {
     home_.reset();
   } else {
-    charging_.GiveUp(observation.time);
+    charging_.GiveUpWayOff();
   }
 }
 

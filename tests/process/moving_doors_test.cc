@@ -265,7 +265,7 @@ levels:
     const std::string scenario = folder_.Write(
         "s.json", R"~({"world": "s.building.yaml", "ticks": 900, "expect": ["eventually at(r, \"b\")"], "robots": [
           {"name": "r", "controller": {"name": "lanes", "parameters": {"places": ["b"], "repeat": false, "planned": )~" +
-                      (planned ? "true}}}" : "false}}}") + obstacle + "}");
+                      std::string(planned ? "true}}}" : "false}}}") + obstacle + "}");
     OutputOf(Troupe({"test", scenario, "--no-shrink"}), arrives ? 0 : 1);
     return OutputOf(Troupe({"run", scenario, "--in-process", "--headless", "--no-ros"}));
   }

@@ -394,7 +394,7 @@ TEST_F(RecordingTest, IsReadableAfterTheServiceWasKilled) {
   Program run = RunPen({"--speed", "200", "--session", TestSession("killed"), "--keyframe-interval", "10", "--record",
                         Path("run.mcap"), "--hash-log", Path("hashes"), "--on-service-loss", "end"});
   run.WaitForLine("ready");
-  while (!std::filesystem::exists(Path("run.mcap")) || std::filesystem::file_size(Path("run.mcap")) < 80'000) {
+  while (!std::filesystem::exists(Path("run.mcap")) || std::filesystem::file_size(Path("run.mcap")) < 250'000) {
     ASSERT_TRUE(std::filesystem::exists(Path("hashes"))) << run.output();
   }
   for (const pid_t child : ChildrenOf(run.pid())) {

@@ -148,6 +148,7 @@ std::string PageViewer::MakeUpdate() {
   WriteEvents(writer);
   WriteGoals(writer);
   WriteTraffic(writer);
+  WriteLaneRules(writer);
   readings_missing_ = !has_readings;
   if (has_readings) WriteReadings(writer);
   if (!in_past_) update_ = run_.update;
@@ -232,6 +233,13 @@ void PageViewer::WriteTraffic(PageWriter& writer) const {
   for (const LaneClosure& closure : state.lane_closures) {
     if (is_closed(closure)) writer.WriteCount(closure.lane);
   }
+}
+
+// All of them: they are few, and their number changes.
+void PageViewer::WriteLaneRules(PageWriter& writer) const {
+  const std::vector<LaneRule>& rules = shown()->state->lane_rules;
+  writer.WriteCount(rules.size());
+  for (const LaneRule& rule : rules) PageValue<LaneRule>::Write(writer, rule);
 }
 
 const std::vector<Vec2>& ShownWays::Of(const TimelineState& state, const RobotCommand& goal) {

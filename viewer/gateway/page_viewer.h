@@ -113,6 +113,7 @@ class PageViewer final : public Viewer {
   void WriteEvents(PageWriter& writer);
   void WriteGoals(PageWriter& writer);
   void WriteTraffic(PageWriter& writer) const;
+  void WriteLaneRules(PageWriter& writer) const;
   void WriteReadings(PageWriter& writer);
   std::vector<RobotId> SelectedRobots() const;
 

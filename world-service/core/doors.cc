@@ -73,7 +73,7 @@ class DoorTurn {
     const Pose& X_WD = workspace_.scene.X_LM(door_.model);
     const ZRange heights = Heights();
     const double half_width = 0.5 * door_.sensor_width;
-    const double radius = std::hypot(half_width, door_.sensor_depth);
+    const double radius = std::sqrt(half_width * half_width + door_.sensor_depth * door_.sensor_depth);
     bool found = false;
     workspace_.bodies.ForEachNear(Rectangle::Around(X_WD.translation(), radius), [&](BodyId id) {
       if (found || !IsRobotOrPerson(id)) return;

@@ -32,6 +32,13 @@ export function eventText({type, robot, other, object, detail}: RunEvent): strin
     case EventType.LiftBlocked: return `${object} is blocked`;
     case EventType.LiftLeft: return `${object} leaves ${detail}`;
     case EventType.LiftArrived: return `${object} is at ${detail}`;
+    case EventType.LiftOverloaded: return `${object} carries too much to leave ${detail}`;
+    case EventType.LaneSwitched: return `lane ${detail}`;
+    case EventType.ZoneSwitched: return `zone ${detail}`;
+    case EventType.GoodsArrived: return `goods of ${detail} have arrived`;
+    case EventType.GoodsRefused: return `there is no room for goods of ${detail}`;
+    case EventType.GoodsLoaded: return `${robot} has goods of ${detail}`;
+    case EventType.Delivered: return `${robot} has delivered goods of ${detail}`;
     case EventType.PersonBoarded: return `${object} gets on ${other} at ${detail}`;
     case EventType.PersonAlighted: return `${object} gets off ${other} at ${detail}`;
     case EventType.PersonArrived: return `${object} has reached ${detail}`;
@@ -54,12 +61,14 @@ const KINDS: Kind[] = [
   {name: 'Contacts', types: [EventType.StallBegan, EventType.StallEnded, EventType.Blocked]},
   {name: 'Objects', types: [EventType.Gripped, EventType.Released, EventType.Landed, EventType.Unstable]},
   {name: 'Doors', types: [EventType.DoorOpened, EventType.DoorClosed, EventType.DoorBlocked]},
-  {name: 'Lifts', types: [EventType.LiftLeft, EventType.LiftArrived, EventType.LiftBlocked]},
+  {name: 'Lifts', types: [EventType.LiftLeft, EventType.LiftArrived, EventType.LiftBlocked, EventType.LiftOverloaded]},
   {name: 'People', types: [EventType.PersonBoarded, EventType.PersonAlighted, EventType.PersonArrived]},
   {
     name: 'Traffic',
     types: [EventType.WaitBegan, EventType.WaitEnded, EventType.DeadlockBroken, EventType.Replanned, EventType.NoWay],
   },
+  {name: 'Rules', types: [EventType.LaneSwitched, EventType.ZoneSwitched]},
+  {name: 'Goods', types: [EventType.GoodsArrived, EventType.GoodsRefused, EventType.GoodsLoaded, EventType.Delivered]},
   {name: 'Messages', types: [EventType.Said, EventType.Reported]},
   {name: 'Energy', types: [EventType.OutOfEnergy]},
   {name: 'Agents', types: [EventType.Joined, EventType.Left, EventType.ProposalRejected]},

@@ -221,6 +221,12 @@ export interface Traffic {
   closed: number[];  // lanes
 }
 
+// A lane that an operator has closed (a limit of 0) or slowed down (m/s), counted through all graphs.
+export interface LaneRule {
+  lane: number;
+  speedLimit: number;
+}
+
 export interface Update extends StateRows {
   world: number;
   past: boolean;  // of a past state, or a recording
@@ -236,6 +242,7 @@ export interface Update extends StateRows {
   allEvents: boolean;  // the events replace all earlier ones
   goals: RobotGoal[];
   traffic: Traffic;  // empty unless the page asks for it
+  laneRules: LaneRule[];
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 
@@ -406,6 +413,7 @@ function readUpdate(r: Reader): Update {
       waits: r.list((): Wait => ({robot: r.u32(), since: Number(r.u64()), thing: r.i32(), lane: r.flag() ? r.u32() : null})),
       closed: r.list(() => r.u32()),
     },
+    laneRules: r.list((): LaneRule => ({lane: r.u32(), speedLimit: r.f64()})),
     readings: (flags & 8) !== 0 ? r.list(() => readRobotReadings(r)) : null,
   };
 }

@@ -6,7 +6,7 @@
 import {EventType, StateTables} from '../generated/rows';
 import type {Matrix4} from 'three';
 import {
-  JointType, type Joint, type Light, type Pose, type Reading, type RobotGoal, type RobotReadings, type RunEvent, type RunStatus, type TimeSpan, type Traffic, type Update,
+  JointType, type Joint, type LaneRule, type Light, type Pose, type Reading, type RobotGoal, type RobotReadings, type RunEvent, type RunStatus, type TimeSpan, type Traffic, type Update,
   type World,
 } from './protocol';
 
@@ -18,6 +18,7 @@ export class Run extends StateTables {
   readings = new Map<number, RobotReadings>();  // by robot
   goals: RobotGoal[] = [];  // in force
   traffic: Traffic = {ways: [], waits: [], closed: []};  // if it is shown
+  laneRules: LaneRule[] = [];
   tick = 0;
   hash = '';
   edition = 0;
@@ -58,6 +59,7 @@ export class Run extends StateTables {
     if (update.readings) this.readings = new Map(update.readings.map(readings => [readings.robot, this.withKept(readings)]));
     this.goals = update.goals;
     this.traffic = update.traffic;
+    this.laneRules = update.laneRules;
     this.tick = update.tick;
     this.hash = update.hash;
     this.edition = update.edition;

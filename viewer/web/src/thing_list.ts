@@ -192,9 +192,13 @@ function lanesOf(run: Run): Thing[] {
   let number = 0;
   for (const {vertices, lanes} of run.world.laneGraphs) {
     const nameOfVertex = (vertex: number): string => vertices[vertex].name || `vertex ${vertex}`;
+    const onward = new Map(lanes.map(({start, end}) => [start, end]));  // of waiting points
     for (const {start, end} of lanes) {
       const lane = number++;
-      const [from, to] = [nameOfVertex(start), nameOfVertex(end)];
+      if (vertices[start].between) continue;  // a part of the lane before
+      let last = end;
+      while (vertices[last].between) last = onward.get(last) ?? start;
+      const [from, to] = [nameOfVertex(start), nameOfVertex(last)];
       const name = `${from} - ${to}`;
       if (things.has(name) || things.has(`${to} - ${from}`)) continue;
       things.set(name, {

@@ -150,7 +150,7 @@ struct ParsedUpdate {
         }
       }
     }
-    for (int kind = 0; kind < 3; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);  // moves, waits, closed lanes
+    for (int kind = 0; kind < 4; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);  // moves, waits, closed lanes, rules
     EXPECT_EQ(flags & 4, 0);
     if ((flags & 8) == 0) return;
     const std::uint32_t measured = reader.ReadCount();

@@ -162,7 +162,7 @@ TEST(InputsOfARun, AreRecordedAndReplayed) {
     ASSERT_TRUE(followed.ok()) << followed.error().message;
     EXPECT_EQ(cursor.value().world().state_hash(), hashes.at(states));
   }
-  EXPECT_EQ(inputs, 2u);
+  EXPECT_EQ(inputs, 3u);
   EXPECT_EQ(states, hashes.size());
 }
 
