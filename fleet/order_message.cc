@@ -107,7 +107,7 @@ std::optional<std::int64_t> ParseTimestamp(std::string_view text) {
     ReadCharacter(text, ":");
     const int minutes = text.empty() ? 0 : ReadDigits(text, 2);
     if (hours < 0 || hours > 23 || minutes < 0 || minutes > 59) return std::nullopt;
-    offset = (is_west ? -1 : 1) * (hours * 60 + minutes);
+    offset = (is_west ? -1 : 1) * (std::int64_t{hours} * 60 + minutes);
   }
   if (!text.empty()) return std::nullopt;
   const std::int64_t minutes = (DaysOf(year, month, day) * 24 + hour) * 60 + minute - offset;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/model/zones.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {
@@ -30,11 +31,9 @@ std::size_t CountLanes(const WorldDescription& world) {
 }
 
 NumberedLane LaneOf(const WorldDescription& world, std::size_t number) {
-  for (const LaneGraph& graph : world.lane_graphs) {
-    if (number < graph.lanes.size()) return {&graph, number};
-    number -= graph.lanes.size();
-  }
-  return {};
+  const std::optional<GraphPlace> place = FindLane(world.lane_graphs, number);
+  TROUPE_CHECK(place.has_value());
+  return {&world.lane_graphs[place->graph], place->number};
 }
 
 std::size_t FirstLaneOf(const WorldDescription& world, const LaneGraph& graph) {

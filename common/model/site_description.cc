@@ -89,7 +89,7 @@ std::vector<WholeLane> WholeLanesOf(const LaneGraph& graph) {
 WholeLane WholeLaneOf(const LaneGraph& graph, std::size_t lane) {
   const auto number = static_cast<std::uint32_t>(lane);
   const Lane& part = graph.lanes[lane];
-  const WholeLane alone{part.start, part.end, {number}};
+  WholeLane alone{part.start, part.end, {number}};
   if (!graph.vertices[part.start].is_between && !graph.vertices[part.end].is_between) return alone;
   for (WholeLane& whole : WholeLanesOf(graph)) {
     if (std::find(whole.parts.begin(), whole.parts.end(), number) != whole.parts.end()) return std::move(whole);

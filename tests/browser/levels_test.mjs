@@ -114,7 +114,7 @@ async function findsAllThings() {
   // A search goes over all kinds.
   await page.fill('#robot-search', 'lift');
   await until('the lift is found', async () => (await rows()).some(row => row.startsWith('guest_lift')));
-  assert.deepEqual(await page.locator('#robot-list h3').allTextContents(), ['Doors', 'Lifts']);
+  assert.deepEqual(await page.locator('#robot-list h3').allTextContents(), ['Doors', 'Lifts', 'Lanes']);
   await page.screenshot({path: path('things.png')});
 
   pages.expectLossOfGateway(page);
