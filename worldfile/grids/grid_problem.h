@@ -35,10 +35,10 @@ std::string ToString(const MoveDelays& delays);
 
 // What a user asks of a file with cells.
 struct GridOptions {
-  std::optional<std::uint32_t> agents;  // the first ones of the file; nothing: all
-  std::optional<double> cell;           // m, the side of a cell; nothing: kDefaultCell
-  std::string paths;                    // a file with a path for each robot; empty: the planned traffic finds the ways
-  std::optional<MoveDelays> delays;
+  std::optional<std::uint32_t> agents = {};  // the first ones of the file; nothing: all
+  std::optional<double> cell = {};           // m, the side of a cell; nothing: kDefaultCell
+  std::string paths = {};  // a file with a path for each robot; empty: the planned traffic finds the ways
+  std::optional<MoveDelays> delays = {};
   bool operator==(const GridOptions&) const = default;
 };
 
