@@ -43,13 +43,15 @@ bool Fits(const TrafficGraph& graph, const TrafficPlan& plan) {
          std::all_of(plan.closures.begin(), plan.closures.end(), has_lane);
 }
 
-// The lanes within reach of robots that take no part, or not yet.
+// The lanes within reach of robots that take no part, or not yet, and stand: for one that drives by, no other way has to
+// be planned, since each robot stops behind it.
 std::vector<bool> FindObstructed(const StepWorkspace& workspace, const TrafficGraph& graph,
                                  std::span<const double> radii, const std::vector<bool>& takes_part) {
   const WorldDescription& world = workspace.world();
   std::vector<bool> obstructed(graph.lanes(), false);
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (takes_part[i] || !RobotExists(world, RobotId(i))) continue;
+    if (!workspace.next.robots[i].twist.IsZero()) continue;
     const Pose& X_WR = workspace.next.robots[i].X_WR;
     const double radius = workspace.scene.body(workspace.scene.body_of(RobotId(i))).radius;
     std::size_t number = 0;
