@@ -43,8 +43,8 @@ bool Fits(const TrafficGraph& graph, const TrafficPlan& plan) {
          std::all_of(plan.closures.begin(), plan.closures.end(), has_lane);
 }
 
-// The lanes within reach of robots that take no part, or not yet, and stand: for one that drives by, no other way has to
-// be planned, since each robot stops behind it.
+// The lanes within reach of robots that take no part, or not yet, and stand: for one that drives by, no other way has
+// to be planned, since each robot stops behind it.
 std::vector<bool> FindObstructed(const StepWorkspace& workspace, const TrafficGraph& graph,
                                  std::span<const double> radii, const std::vector<bool>& takes_part) {
   const WorldDescription& world = workspace.world();
