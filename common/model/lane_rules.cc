@@ -24,34 +24,10 @@ const LaneRule* RuleOf(const WorldState& state, std::uint32_t lane) {
 
 }  // namespace
 
-std::size_t CountLanes(const WorldDescription& world) {
-  std::size_t count = 0;
-  for (const LaneGraph& graph : world.lane_graphs) count += graph.lanes.size();
-  return count;
-}
-
 NumberedLane LaneOf(const WorldDescription& world, std::size_t number) {
   const std::optional<GraphPlace> place = FindLane(world.lane_graphs, number);
   TROUPE_CHECK(place.has_value());
   return {&world.lane_graphs[place->graph], place->number};
-}
-
-std::size_t FirstLaneOf(const WorldDescription& world, const LaneGraph& graph) {
-  std::size_t first = 0;
-  for (const LaneGraph& each : world.lane_graphs) {
-    if (each.number == graph.number) break;
-    first += each.lanes.size();
-  }
-  return first;
-}
-
-std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph) {
-  std::size_t first = 0;
-  for (const LaneGraph& each : world.lane_graphs) {
-    if (each.number == graph.number) break;
-    first += each.vertices.size();
-  }
-  return first;
 }
 
 std::string NameOfLane(const WorldDescription& world, std::size_t number) {

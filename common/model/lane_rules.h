@@ -20,12 +20,8 @@ struct NumberedLane {
   const LaneVertex& start() const { return graph->vertices[graph->lanes[lane].start]; }
   const LaneVertex& end() const { return graph->vertices[graph->lanes[lane].end]; }
 };
-std::size_t CountLanes(const WorldDescription& world);
-// REQUIRES: number < CountLanes(world)
+// REQUIRES: the world has that many lanes.
 NumberedLane LaneOf(const WorldDescription& world, std::size_t number);
-// The number of the first lane or vertex of a graph of the world.
-std::size_t FirstLaneOf(const WorldDescription& world, const LaneGraph& graph);
-std::size_t FirstVertexOf(const WorldDescription& world, const LaneGraph& graph);
 
 // "dock - hall": of the lane of the site that it is a part of.
 std::string NameOfLane(const WorldDescription& world, std::size_t number);

@@ -41,7 +41,42 @@ std::optional<GraphPlace> FindInGraphs(std::span<const LaneGraph> graphs, std::s
   return std::nullopt;
 }
 
+// The parts of the graphs before that of a number; of all, if there is none.
+template <typename Part>
+std::size_t CountBefore(std::span<const LaneGraph> graphs, std::optional<std::uint32_t> graph, Part LaneGraph::*parts) {
+  std::size_t count = 0;
+  for (const LaneGraph& each : graphs) {
+    if (each.number == graph) break;
+    count += (each.*parts).size();
+  }
+  return count;
+}
+
 }  // namespace
+
+double LaneGraph::DistanceTo(const Lane& lane, const Vec2& point) const {
+  const Vec2 way = Way(lane.start, lane.end);
+  const Vec2 offset = point - vertices[lane.start].position;
+  const double squared = way.squaredNorm();
+  const double along = squared > 0.0 ? std::clamp(offset.dot(way) / squared, 0.0, 1.0) : 0.0;
+  return (offset - along * way).norm();
+}
+
+std::size_t CountVertices(std::span<const LaneGraph> graphs) {
+  return CountBefore(graphs, std::nullopt, &LaneGraph::vertices);
+}
+
+std::size_t CountLanes(std::span<const LaneGraph> graphs) {
+  return CountBefore(graphs, std::nullopt, &LaneGraph::lanes);
+}
+
+std::size_t FirstVertexOf(std::span<const LaneGraph> graphs, const LaneGraph& graph) {
+  return CountBefore(graphs, graph.number, &LaneGraph::vertices);
+}
+
+std::size_t FirstLaneOf(std::span<const LaneGraph> graphs, const LaneGraph& graph) {
+  return CountBefore(graphs, graph.number, &LaneGraph::lanes);
+}
 
 std::optional<GraphPlace> FindVertex(std::span<const LaneGraph> graphs, std::size_t vertex) {
   return FindInGraphs(graphs, vertex, &LaneGraph::vertices);

@@ -48,9 +48,8 @@ std::vector<ObjectState> WithoutSupports(std::vector<ObjectState> objects) {
 
 // The rows of what an operator and robots change in a site.
 Status CheckSiteRows(const WorldDescription& world, const WorldState& state) {
-  const std::size_t lanes = CountLanes(world);
-  std::size_t vertices = 0;
-  for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
+  const std::size_t lanes = CountLanes(world.lane_graphs);
+  const std::size_t vertices = CountVertices(world.lane_graphs);
   for (std::size_t i = 0; i < state.lane_rules.size(); ++i) {
     if (state.lane_rules[i].lane >= lanes) return BadInput("found a rule of a lane that does not exist");
     if (i > 0 && state.lane_rules[i - 1].lane >= state.lane_rules[i].lane) {

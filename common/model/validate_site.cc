@@ -89,7 +89,7 @@ std::string CheckAction(const WorldDescription& world, const TimedAction& action
                  ? ""
                  : "its floor does not exist";
     case TimedKind::kLane:
-      return action.number < CountLanes(world) ? "" : "its lane does not exist";
+      return action.number < CountLanes(world.lane_graphs) ? "" : "its lane does not exist";
     case TimedKind::kZone:
       return action.number < world.zones.size() ? "" : "its zone does not exist";
   }
@@ -110,8 +110,7 @@ std::string CheckTrip(const LaneTrip& trip, std::size_t vertices) {
 }
 
 Status CheckTrips(const WorldDescription& world) {
-  std::size_t vertices = 0;
-  for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
+  const std::size_t vertices = CountVertices(world.lane_graphs);
   for (std::size_t i = 0; i < world.lane_trips.size(); ++i) {
     std::string problem = CheckTrip(world.lane_trips[i], vertices);
     if (problem.empty() && i > 0 && !(world.lane_trips[i - 1].robot < world.lane_trips[i].robot)) {

@@ -66,20 +66,15 @@ class OrderCheck {
   Status operator()(const TrafficOrder& order) const {
     if (!robot_) return NeedsRobot("traffic");
     if (!std::isfinite(order.driven)) return BadInput("found traffic without a number of metres");
-    std::size_t first = 0;
-    for (const LaneGraph& graph : world_.lane_graphs) {
-      const std::size_t end = first + graph.vertices.size();
-      const auto is_of_graph = [&](std::uint32_t vertex) { return vertex >= first && vertex < end; };
-      if (is_of_graph(order.at) && (!order.goal || is_of_graph(*order.goal))) return {};
-      first = end;
-    }
+    const std::optional<GraphPlace> at = FindVertex(world_.lane_graphs, order.at);
+    const std::optional<GraphPlace> goal = order.goal ? FindVertex(world_.lane_graphs, *order.goal) : at;
+    if (at && goal && at->graph == goal->graph) return {};
     return BadInput("found traffic at vertex " + std::to_string(order.at) +
                     ", expected vertices of one graph of lanes");
   }
   Status operator()(const ChargeOrder& order) const {
     if (!robot_) return NeedsRobot("a charger");
-    std::size_t vertices = 0;
-    for (const LaneGraph& graph : world_.lane_graphs) vertices += graph.vertices.size();
+    const std::size_t vertices = CountVertices(world_.lane_graphs);
     if (!order.vertex || *order.vertex < vertices) return {};
     return BadInput("found a charger at vertex " + std::to_string(*order.vertex) + ", expected one of " +
                     std::to_string(vertices) + " vertices of lanes");
@@ -89,7 +84,7 @@ class OrderCheck {
     return {};
   }
   Status operator()(const LaneOrder& order) const {
-    const std::size_t lanes = CountLanes(world_);
+    const std::size_t lanes = CountLanes(world_.lane_graphs);
     if (order.lane >= lanes) {
       return BadInput("found lane " + std::to_string(order.lane) + ", expected one of the world's " +
                       std::to_string(lanes));
@@ -108,8 +103,7 @@ class OrderCheck {
       return BadInput("found a wait for model " + std::to_string(order.thing->index()) +
                       ", expected one of the world's " + std::to_string(world_.models.size()));
     }
-    std::size_t lanes = 0;
-    for (const LaneGraph& graph : world_.lane_graphs) lanes += graph.lanes.size();
+    const std::size_t lanes = CountLanes(world_.lane_graphs);
     if (!order.lane || *order.lane < lanes) return {};
     return BadInput("found a wait at lane " + std::to_string(*order.lane) + ", expected one of the world's " +
                     std::to_string(lanes));

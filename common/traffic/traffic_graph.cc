@@ -15,7 +15,6 @@ namespace {
 constexpr double kRideSeconds = 20.0;  // of a ride, beside 1 s for each m of height
 constexpr double kDoorSeconds = 3.0;
 constexpr double kLeaveMargin = 1e-3;  // m, beyond the distance at which a lane is clear of its start
-constexpr double kLevelGap = 1.3;      // m: bodies so far apart in height do not meet
 
 struct Segment {
   Vec2 a{0.0, 0.0};

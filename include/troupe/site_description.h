@@ -74,6 +74,8 @@ struct LaneDoor {
   }
 };
 
+inline constexpr double kLevelGap = 1.3;  // m: bodies and lanes so far apart in height are on different levels
+
 // Half the width of a lane: a body is on it whose origin is within that distance of its line, on its level.
 inline constexpr double kLaneHalfWidth = 0.5;  // m
 
@@ -115,6 +117,7 @@ struct LaneGraph {
   // The first lane that leads there.
   std::optional<std::size_t> LaneBetween(std::size_t from, std::size_t to) const;
   Vec2 Way(std::size_t from, std::size_t to) const { return vertices[to].position - vertices[from].position; }
+  double DistanceTo(const Lane& lane, const Vec2& point) const;  // m, in the plane
   static constexpr auto Fields() {
     return std::tuple{
         Field{"number", &LaneGraph::number, "by which robots name it"},
@@ -235,6 +238,11 @@ struct GraphPlace {
   std::size_t graph = 0;
   std::size_t number = 0;  // of the vertex or lane in its graph
 };
+std::size_t CountVertices(std::span<const LaneGraph> graphs);
+std::size_t CountLanes(std::span<const LaneGraph> graphs);
+// The number of the first one of a graph.
+std::size_t FirstVertexOf(std::span<const LaneGraph> graphs, const LaneGraph& graph);
+std::size_t FirstLaneOf(std::span<const LaneGraph> graphs, const LaneGraph& graph);
 // Nothing for a number beyond the last one; rides of lifts are counted behind the lanes.
 std::optional<GraphPlace> FindVertex(std::span<const LaneGraph> graphs, std::size_t vertex);
 std::optional<GraphPlace> FindLane(std::span<const LaneGraph> graphs, std::size_t lane);

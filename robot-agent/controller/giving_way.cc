@@ -13,14 +13,6 @@ constexpr double kGiveWaySeconds = 6.0;  // behind another robot; twice that for
 constexpr double kAsideSeconds = 4.0;    // beside the way of another robot, and up to as many more
 constexpr double kAtVertex = 0.3;        // m
 
-double DistanceTo(const LaneGraph& graph, const Lane& lane, const Vec2& point) {
-  const Vec2& start = graph.vertices[lane.start].position;
-  const Vec2 way = graph.Way(lane.start, lane.end);
-  const double square = way.squaredNorm();
-  const double at = square > 0.0 ? std::clamp((point - start).dot(way) / square, 0.0, 1.0) : 0.0;
-  return (start + at * way - point).norm();
-}
-
 // A robot that is parked at a charger.
 bool IsParked(const LaneGraph& graph, const SeenRobot& robot) {
   const std::optional<NearVertex> at = FindNearestVertex(graph, robot.position, robot.z, kOnOneLevel);
@@ -133,8 +125,8 @@ bool GivingWay::IsInTheWay(const LanePlace& place) const {
       if (IsParked(graph, other)) return false;
       for (const Lane& lane : graph.lanes) {
         is_on_lane = is_on_lane || (std::fabs(graph.vertices[lane.start].z - own.z) < kLevelGap &&
-                                    DistanceTo(graph, lane, own.translation()) < kAtVertex &&
-                                    DistanceTo(graph, lane, other.position) < kLaneHalfWidth);
+                                    graph.DistanceTo(lane, own.translation()) < kAtVertex &&
+                                    graph.DistanceTo(lane, other.position) < kLaneHalfWidth);
       }
     }
     return is_on_lane;

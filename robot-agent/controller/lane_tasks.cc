@@ -47,7 +47,7 @@ LaneTasks::LaneTasks(const LaneSettings& settings, const LaneGraph& graph, doubl
 
 void LaneTasks::Watch(const WorldDescription& world, const WorldState& state, RobotId own,
                       const std::vector<SeenRobot>& others, double radius) {
-  charging_.Watch(state, own, FirstVertexOf(world, *graph_), others, radius);
+  charging_.Watch(state, own, FirstVertexOf(world.lane_graphs, *graph_), others, radius);
   if (goods_) goods_->Watch(world, state, own);
 }
 

@@ -63,10 +63,7 @@ class LanesController final : public Controller, public RobotWatcher {
         controls_(info, graph),
         giving_way_(id_, graph, info.lane_graphs, steer_.speed) {
     if (settings.planned) plan_.emplace(id_, graph, info.lane_graphs);
-    for (const LaneGraph& each : info.lane_graphs) {
-      if (&each == &graph) break;
-      first_lane_ += each.lanes.size();
-    }
+    first_lane_ = FirstLaneOf(info.lane_graphs, graph);
     for (const LaneVertex& vertex : graph_->vertices) AddGroup(vertex.mutex);
     for (const Lane& lane : graph_->lanes) AddGroup(lane.mutex);
   }

@@ -24,7 +24,7 @@ bool BarredLanes::Read(const Surroundings& around, RobotId own, const LaneGraph&
   rules_ = around.state.lane_rules;
   zones_ = std::move(zones);
   inside_ = std::move(inside);
-  const std::size_t first = FirstLaneOf(world, graph);
+  const std::size_t first = FirstLaneOf(world.lane_graphs, graph);
   std::vector<std::size_t> lanes;
   for (const std::uint32_t lane : ClosedLanesFor(world, around.state, std::span(&X_WR, 1))) {
     if (lane >= first && lane < first + graph.lanes.size()) lanes.push_back(lane - first);
@@ -36,7 +36,7 @@ double AllowedSpeed(const Surroundings& around, std::optional<std::size_t> lane,
                     const Vec2& point, const Vec2& along, double z) {
   const WorldDescription& world = around.world();
   std::optional<std::uint32_t> number;
-  if (lane) number = static_cast<std::uint32_t>(FirstLaneOf(world, graph) + *lane);
+  if (lane) number = static_cast<std::uint32_t>(FirstLaneOf(world.lane_graphs, graph) + *lane);
   double least = SpeedLimitAt(world, around.state, number, point, z);
   if (world.zones.empty()) return least;
   for (const double ahead : {0.25, 0.5}) {

@@ -94,7 +94,4 @@ bool IsTaken(const LaneVertex& vertex, const std::vector<SeenRobot>& others, dou
 std::vector<Leg> FreeLegs(const LaneGraph& graph, std::size_t from, const std::vector<SeenRobot>& others, double radius,
                           double half_width);
 
-// Bodies so far apart in height are on different levels.
-inline constexpr double kLevelGap = 1.3;  // m
-
 }  // namespace troupe

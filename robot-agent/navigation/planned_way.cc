@@ -6,11 +6,8 @@
 namespace troupe {
 
 PlannedWay::PlannedWay(RobotId own, const LaneGraph& graph, std::span<const LaneGraph> graphs) : own_(own) {
-  for (const LaneGraph& each : graphs) {
-    if (&each == &graph) break;
-    first_vertex_ += static_cast<std::uint32_t>(each.vertices.size());
-    first_lane_ += static_cast<std::uint32_t>(each.lanes.size());
-  }
+  first_vertex_ = static_cast<std::uint32_t>(FirstVertexOf(graphs, graph));
+  first_lane_ = static_cast<std::uint32_t>(FirstLaneOf(graphs, graph));
   lane_count_ = static_cast<std::uint32_t>(graph.lanes.size());
 }
 

@@ -14,19 +14,9 @@
 namespace troupe {
 namespace {
 
-constexpr double kLevelGap = 1.3;  // m: bodies so far apart in height are on different levels
-
-std::size_t GraphOf(const WorldDescription& world, std::uint32_t vertex) {
-  std::size_t graph = 0;
-  std::size_t end = world.lane_graphs[0].vertices.size();
-  while (vertex >= end) end += world.lane_graphs[++graph].vertices.size();
-  return graph;
-}
-
 // A plan with a vertex or a lane that the lanes do not have begins anew: a state may come from outside.
 bool HasPlaces(const WorldDescription& world, const TrafficPlan& plan) {
-  std::size_t vertices = 0;
-  for (const LaneGraph& graph : world.lane_graphs) vertices += graph.vertices.size();
+  const std::size_t vertices = CountVertices(world.lane_graphs);
   return std::all_of(plan.robots.begin(), plan.robots.end(), [&](const TrafficRobot& robot) {
     return robot.robot.index() < world.robots.size() && robot.at < vertices && (!robot.goal || *robot.goal < vertices);
   });
@@ -58,12 +48,8 @@ std::vector<bool> FindObstructed(const StepWorkspace& workspace, const TrafficGr
     for (std::size_t g = 0; g < world.lane_graphs.size(); ++g) {
       const LaneGraph& lanes = world.lane_graphs[g];
       for (const Lane& lane : lanes.lanes) {
-        const LaneVertex& start = lanes.vertices[lane.start];
-        const Vec2 way = lanes.Way(lane.start, lane.end);
-        const Vec2 offset = X_WR.translation() - start.position;
-        const double squared = way.squaredNorm();
-        const double along = squared > 0.0 ? std::clamp(offset.dot(way) / squared, 0.0, 1.0) : 0.0;
-        if (std::fabs(X_WR.z - start.z) < kLevelGap && (offset - along * way).norm() < radius + radii[g]) {
+        if (std::fabs(X_WR.z - lanes.vertices[lane.start].z) < kLevelGap &&
+            lanes.DistanceTo(lane, X_WR.translation()) < radius + radii[g]) {
           obstructed[number] = true;
         }
         ++number;
@@ -82,7 +68,7 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
   TrafficPlan plan{std::move(state.traffic_robots), std::move(state.traffic_moves), std::move(state.lane_closures)};
   std::vector<double> radii(world.lane_graphs.size(), 0.0);
   const auto add_radius = [&](RobotId robot, std::uint32_t vertex) {
-    double& radius = radii[GraphOf(world, vertex)];
+    double& radius = radii[FindVertex(world.lane_graphs, vertex)->graph];
     radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius + kTrafficMargin);
   };
   std::vector<TrafficRequest> requests;

@@ -17,7 +17,6 @@ namespace troupe {
 namespace {
 
 constexpr double kNextTo = 0.4;      // m, between a robot's body and one on its lane
-constexpr double kOnLevel = 1.3;     // m, of height
 constexpr Tick kTicksOfSearch = 10;  // from one search of a closed lane to the next
 
 class WaitFinder {
@@ -25,7 +24,7 @@ class WaitFinder {
   explicit WaitFinder(StepWorkspace& workspace)
       : workspace_(workspace), world_(workspace.world()), state_(workspace.next), before_(std::move(state_.waits)) {
     state_.waits.clear();
-    for (const LaneGraph& graph : world_.lane_graphs) lane_count_ += graph.lanes.size();
+    lane_count_ = CountLanes(world_.lane_graphs);
     for (const TrafficMove& move : state_.traffic_moves) {
       if (move.robot.index() >= world_.robots.size()) continue;
       if (next_moves_.empty()) next_moves_.resize(world_.robots.size(), nullptr);
@@ -80,18 +79,14 @@ class WaitFinder {
   std::optional<ModelId> FindOnLane(RobotId own, std::uint32_t number) const {
     const GraphPlace place = *FindLane(world_.lane_graphs, number);
     const LaneGraph& graph = world_.lane_graphs[place.graph];
-    const LaneVertex& start = graph.vertices[graph.lanes[place.number].start];
-    const Vec2 way = graph.Way(graph.lanes[place.number].start, graph.lanes[place.number].end);
-    const double squared = way.squaredNorm();
+    const Lane& lane = graph.lanes[place.number];
     for (std::size_t i = 0; i < world_.robots.size(); ++i) {
       const RobotId other(i);
       if (other == own || TakesPart(other) || !RobotExists(world_, other)) continue;
       const Pose& X_WR = state_.robots[i].X_WR;
-      if (std::fabs(X_WR.z - start.z) >= kOnLevel) continue;
-      const Vec2 offset = X_WR.translation() - start.position;
-      const double along = squared > 0.0 ? std::clamp(offset.dot(way) / squared, 0.0, 1.0) : 0.0;
+      if (std::fabs(X_WR.z - graph.vertices[lane.start].z) >= kLevelGap) continue;
       const double reach = RadiusOf(own) + RadiusOf(other) + kNextTo;
-      if ((offset - along * way).norm() < reach) return world_.robot(other).root;
+      if (graph.DistanceTo(lane, X_WR.translation()) < reach) return world_.robot(other).root;
     }
     return std::nullopt;
   }
@@ -133,8 +128,7 @@ class WaitFinder {
   // From the goal back, so that the way is followed from its start.
   std::optional<std::uint32_t> FindClosedOnWay(std::size_t graph_number, std::size_t from, std::size_t to) const {
     const LaneGraph& graph = world_.lane_graphs[graph_number];
-    std::size_t first_lane = 0;
-    for (std::size_t i = 0; i < graph_number; ++i) first_lane += world_.lane_graphs[i].lanes.size();
+    const std::size_t first_lane = FirstLaneOf(world_.lane_graphs, graph);
     constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
     struct Next {
       std::size_t vertex = kNone;

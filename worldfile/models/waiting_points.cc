@@ -17,7 +17,6 @@ namespace troupe {
 namespace {
 
 constexpr double kSpare = 0.05;      // m, beside the distance that two robots keep
-constexpr double kLevelGap = 1.3;    // m: vertices so far apart in height are on different levels
 constexpr double kDoorHeight = 2.0;  // m above a lane: leaves that begin higher are in no way
 constexpr int kOpenings = 4;         // between those at which a leaf is looked at
 
@@ -63,8 +62,8 @@ std::vector<double> RadiiOnGraphs(const WorldDescription& world) {
 class LaneCutter {
  public:
   // `apart`: m, that the vertices of a graph are from each other; half of it, from leaves.
-  LaneCutter(LaneGraph& graph, double apart, const std::vector<ConvexPiece>& leaves)
-      : graph_(graph), apart_(apart), leaves_(leaves), count_(graph.vertices.size()) {}
+  LaneCutter(LaneGraph& graph, double apart, std::vector<ConvexPiece> leaves)
+      : graph_(graph), apart_(apart), leaves_(std::move(leaves)), count_(graph.vertices.size()) {}
 
   void CutAll() {
     const std::size_t lanes = graph_.lanes.size();
@@ -126,7 +125,7 @@ class LaneCutter {
 
   LaneGraph& graph_;
   const double apart_;
-  const std::vector<ConvexPiece>& leaves_;
+  const std::vector<ConvexPiece> leaves_;
   const std::size_t count_;  // of vertices of the site
 };
 
@@ -141,8 +140,7 @@ void AddWaitingPoints(WorldDescription& world) {
 }
 
 void AddWaitingPoints(WorldDescription& world, std::size_t graph, double radius) {
-  const std::vector<ConvexPiece> leaves = PiecesOfDoors(world);
-  LaneCutter(world.lane_graphs[graph], 2.0 * (radius + kTrafficMargin) + kSpare, leaves).CutAll();
+  LaneCutter(world.lane_graphs[graph], 2.0 * (radius + kTrafficMargin) + kSpare, PiecesOfDoors(world)).CutAll();
 }
 
 }  // namespace troupe
