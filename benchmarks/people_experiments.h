@@ -1,5 +1,5 @@
 // The usual experiments with crowds: an opening, a corridor one way and both ways, streams that cross, a circle. Each
-// is a world of people alone, and what is measured in it. Used by people_flow.cc, and by tests with the published
+// is a world of people alone, with its measurements. Used by people_flow.cc, and by tests with the published
 // bands.
 #pragma once
 

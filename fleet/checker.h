@@ -1,5 +1,5 @@
 // A checker of VDA 5050: a fold over the messages of both sides, in the order in which they were seen, whose result is
-// a list of verdicts: the rule that a message breaks, what was found and what was expected.
+// a list of verdicts: the rule that a message breaks, the finding and the expectation.
 //
 // It knows what it has seen. A rule that needs more (the first states of a vehicle that was there before, a factsheet
 // that was not sent) says nothing. The memory is a plain value.

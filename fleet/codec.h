@@ -1,6 +1,6 @@
 // Messages of VDA 5050 as JSON: written strictly by the public schemas of the version, read as real fleets and vehicles
 // send them. Each deviation that reading accepts has a name (Lenience); all others are faults with the place in the
-// message (a JSON pointer, RFC 6901), what was found there and what was expected.
+// message (a JSON pointer, RFC 6901), the finding there and the expectation.
 //
 // Messages come from the network: size, number of values and depth are limited before memory is spent, and a fault
 // never throws. Members that the standard does not have are ignored, as it says.

@@ -111,7 +111,7 @@ bool FitsMemory(const VehicleMemory& memory, const Order& order, bool is_update,
   return CountActions(order) + (is_update ? memory.actions.size() : 0) <= most;
 }
 
-// The references of a rejection: the order, and what is wrong with it.
+// The references of a rejection: the order, and its faulty part.
 std::vector<Reference> RejectionReferences(const OrderReceived& received, const OrderRow& row,
                                            const VehicleProfile& profile) {
   std::vector<Reference> references = {{"topic", "order"},

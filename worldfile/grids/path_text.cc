@@ -31,7 +31,7 @@ struct WrittenPath {
   SourceLocation where;
 };
 
-// The numbers of one pair of parentheses, and what is around it.
+// The numbers of one pair of parentheses, and the text around it.
 class PlaceScanner {
  public:
   explicit PlaceScanner(const GridLine& line) : line_(line) {}
