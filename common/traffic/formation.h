@@ -6,9 +6,7 @@
 // Robots are numbered by their rows. Moves can be undone in reverse order, so that searches need no copies.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -24,26 +22,6 @@ struct RowMove {
   std::uint32_t to = 0;
 };
 
-// Calls visit_vertex(vertex) and visit_group(group) for all that a move from a vertex along `lane` to `to` needs for
-// itself: a robot at rest there keeps another one from it. Robots that are near to each other may move apart, on a way
-// that leads straight away.
-template <typename VisitVertex, typename VisitGroup>
-void ForEachNeed(const TrafficGraph& graph, std::uint32_t from, std::uint32_t lane, std::uint32_t to,
-                 const VisitVertex& visit_vertex, const VisitGroup& visit_group) {
-  const auto contains = [](std::span<const std::uint32_t> sorted, std::uint32_t number) {
-    return std::binary_search(sorted.begin(), sorted.end(), number);
-  };
-  for (const std::uint32_t vertex : graph.VerticesNearLane(lane)) {
-    const bool moves_apart = contains(graph.VerticesNearVertex(from), vertex) &&
-                             !contains(graph.VerticesNearVertex(to), vertex) && graph.LeadsAway(from, to, vertex);
-    if (!moves_apart) visit_vertex(vertex);
-  }
-  for (const std::uint32_t group : graph.GroupsOfLane(lane)) {
-    const bool leaves = contains(graph.GroupsOfVertex(from), group) && !contains(graph.GroupsOfVertex(to), group);
-    if (!leaves) visit_group(group);
-  }
-}
-
 class Formation {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
@@ -58,14 +36,14 @@ class Formation {
   // Calls visit(row) for each robot that keeps `row` from the move along `lane` to `to`; some of them twice.
   template <typename Visit>
   void ForEachBlocker(std::uint32_t row, std::uint32_t lane, std::uint32_t to, const Visit& visit) const {
+    const TrafficGraph::Need& need = graph_->NeedOf(lane, to);
     const auto visit_other = [&](std::uint32_t other) {
       if (other != kNone && other != row) visit(other);
     };
-    ForEachNeed(
-        *graph_, places_[row], lane, to, [&](std::uint32_t vertex) { visit_other(occupants_[vertex]); },
-        [&](std::uint32_t group) {
-          for (const std::uint32_t other : members_[group]) visit_other(other);
-        });
+    for (const std::uint32_t vertex : need.vertices) visit_other(occupants_[vertex]);
+    for (const std::uint32_t group : need.groups) {
+      for (const std::uint32_t other : members_[group]) visit_other(other);
+    }
   }
   // Calls visit(row) for each robot near a lane or in a group of it.
   template <typename Visit>

@@ -122,6 +122,7 @@ TrafficGraph::TrafficGraph(std::span<const LaneGraph> graphs, std::span<const do
   AddRides(graphs);
   FindGroups(graphs);
   FindConflicts(radii.empty() ? 0.0 : *std::max_element(radii.begin(), radii.end()));
+  FindNeeds();
 }
 
 void TrafficGraph::AddWay(std::uint32_t start, std::uint32_t end, double seconds, bool is_bidirectional) {
@@ -264,6 +265,47 @@ void TrafficGraph::FindConflicts(double radius) {
     left.b -= step;
     find_rest(lane.to_start, left, lane.start);
   }
+}
+
+void TrafficGraph::FindNeeds() {
+  needing_.resize(vertices_.size());
+  for (std::uint32_t lane = 0; lane < lanes_.size(); ++lane) {
+    needs_.push_back(NeedBetween(lane, lanes_[lane].start, lanes_[lane].end));
+    needs_.push_back(NeedBetween(lane, lanes_[lane].end, lanes_[lane].start));
+  }
+  for (std::uint32_t direction = 0; direction < needs_.size(); ++direction) {
+    const auto add = [&](std::uint32_t vertex) {
+      std::vector<std::uint32_t>& directions = needing_[vertex];
+      if (directions.empty() || directions.back() != direction) directions.push_back(direction);
+    };
+    for (const std::uint32_t vertex : needs_[direction].vertices) add(vertex);
+    for (const std::uint32_t group : needs_[direction].groups) {
+      for (const std::uint32_t vertex : vertices_of_groups_[group]) add(vertex);
+    }
+  }
+}
+
+TrafficGraph::Need TrafficGraph::NeedBetween(std::uint32_t lane, std::uint32_t from, std::uint32_t to) const {
+  const auto contains = [](const std::vector<std::uint32_t>& sorted, std::uint32_t number) {
+    return std::binary_search(sorted.begin(), sorted.end(), number);
+  };
+  Need need;
+  for (const std::uint32_t vertex : lanes_[lane].near_vertices) {
+    const bool moves_apart = contains(vertices_[from].near, vertex) && !contains(vertices_[to].near, vertex) &&
+                             LeadsAway(from, to, vertex);
+    if (!moves_apart) need.vertices.push_back(vertex);
+  }
+  for (const std::uint32_t group : lanes_[lane].groups) {
+    const bool leaves = contains(vertices_[from].groups, group) && !contains(vertices_[to].groups, group);
+    if (!leaves) need.groups.push_back(group);
+  }
+  return need;
+}
+
+// The straight way between two vertices comes no nearer to a third one than its start.
+bool TrafficGraph::LeadsAway(std::uint32_t from, std::uint32_t to, std::uint32_t vertex) const {
+  const Vec2& start = vertices_[from].position;
+  return (vertices_[to].position - start).dot(vertices_[vertex].position - start) <= 0.0;
 }
 
 }  // namespace troupe

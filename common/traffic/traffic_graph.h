@@ -63,11 +63,19 @@ class TrafficGraph {
   std::span<const std::uint32_t> VerticesNearVertex(std::uint32_t vertex) const { return vertices_.at(vertex).near; }
   std::span<const std::uint32_t> VerticesNearLane(std::uint32_t lane) const { return lanes_[lane].near_vertices; }
   std::span<const std::uint32_t> LanesNearLane(std::uint32_t lane) const { return lanes_[lane].near_lanes; }
-  // The straight way between two vertices comes no nearer to a third one than its start.
-  bool LeadsAway(std::uint32_t from, std::uint32_t to, std::uint32_t vertex) const {
-    const Vec2& start = vertices_[from].position;
-    return (vertices_[to].position - start).dot(vertices_[vertex].position - start) <= 0.0;
+  // The direction of a way along a lane, to one of its ends; 0 to 2 * lanes() - 1.
+  std::uint32_t DirectionOf(std::uint32_t lane, std::uint32_t to) const {
+    return 2 * lane + (to == lanes_[lane].end ? 0 : 1);
   }
+  // All that a move along a lane needs for itself: a robot at rest there keeps another one from it. Ascending. Robots
+  // that are near to each other may move apart, on a way that leads straight away.
+  struct Need {
+    std::vector<std::uint32_t> vertices = {};
+    std::vector<std::uint32_t> groups = {};
+  };
+  const Need& NeedOf(std::uint32_t lane, std::uint32_t to) const { return needs_[DirectionOf(lane, to)]; }
+  // The directions of the moves that need a vertex, for itself or as one of a group; ascending.
+  std::span<const std::uint32_t> DirectionsNeeding(std::uint32_t vertex) const { return needing_[vertex]; }
   // m along a lane, from which on a robot is clear of all that is near its start alone; infinity for a short lane.
   double leave_distance(std::uint32_t lane) const { return lanes_[lane].leave_distance; }
   // Those that conflict with the rest of a lane on the way `to` one of its ends; as above. REQUIRES: it can be left.
@@ -114,6 +122,9 @@ class TrafficGraph {
   void AddWay(std::uint32_t start, std::uint32_t end, double seconds, bool is_bidirectional);
   void FindGroups(std::span<const LaneGraph> graphs);
   void FindConflicts(double radius);
+  void FindNeeds();
+  Need NeedBetween(std::uint32_t lane, std::uint32_t from, std::uint32_t to) const;
+  bool LeadsAway(std::uint32_t from, std::uint32_t to, std::uint32_t vertex) const;
   const Rest& RestOf(std::uint32_t lane, std::uint32_t to) const {
     return to == lanes_[lane].end ? lanes_[lane].to_end : lanes_[lane].to_start;
   }
@@ -126,6 +137,8 @@ class TrafficGraph {
   std::vector<std::uint32_t> first_lane_;          // likewise
   std::size_t group_count_ = 0;
   std::vector<std::vector<std::uint32_t>> vertices_of_groups_;
+  std::vector<Need> needs_;                           // by direction
+  std::vector<std::vector<std::uint32_t>> needing_;  // by vertex, directions
 };
 
 }  // namespace troupe

@@ -79,11 +79,14 @@ class Planner {
         closed_(graph_.lanes(), false) {}
 
   void Update(std::span<const TrafficRequest> requests) {
+    NumberRows();
     RemoveAbsent(requests);
+    FindPresentMoves();
     for (const TrafficRequest& request : requests) {
       const std::optional<std::uint32_t> row = RowOf(request.robot);
       if (row) Report(*row, request);
     }
+    RemoveMade();
     for (const TrafficRequest& request : requests) {
       const std::optional<std::uint32_t> row = request.is_blocked ? RowOf(request.robot) : std::nullopt;
       if (row) TurnBack(plan_.robots[*row]);
@@ -91,6 +94,7 @@ class Planner {
     for (const TrafficRequest& request : requests) {
       if (!RowOf(request.robot)) Admit(request);
     }
+    NumberRows();
     for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = closure.until > tick_;
     routes_.Begin(closed_);
     for (std::size_t lane = 0; lane < closed_.size(); ++lane) closed_[lane] = closed_[lane] || obstructed_[lane];
@@ -101,15 +105,36 @@ class Planner {
 
  private:
   std::optional<std::uint32_t> RowOf(RobotId robot) const {
-    const auto found = std::lower_bound(plan_.robots.begin(), plan_.robots.end(), robot, kIsBefore);
-    if (found == plan_.robots.end() || found->robot != robot) return std::nullopt;
-    return static_cast<std::uint32_t>(found - plan_.robots.begin());
+    const std::uint32_t row = robot.index() < rows_.size() ? rows_[robot.index()] : kNone;
+    return row == kNone ? std::nullopt : std::optional(row);
+  }
+
+  void NumberRows() {
+    rows_.assign(plan_.robots.empty() ? 0 : plan_.robots.back().robot.index() + 1, kNone);
+    for (std::uint32_t row = 0; row < plan_.robots.size(); ++row) rows_[plan_.robots[row].robot.index()] = row;
   }
 
   // The present move of a robot: its first one in the plan; the end without one.
   std::vector<TrafficMove>::iterator FindPresent(RobotId robot) const {
-    return std::find_if(plan_.moves.begin(), plan_.moves.end(),
-                        [&](const TrafficMove& move) { return move.robot == robot; });
+    return FindMove(robot, plan_.moves.begin());
+  }
+  std::vector<TrafficMove>::iterator FindMove(RobotId robot, std::vector<TrafficMove>::iterator begin) const {
+    return std::find_if(begin, plan_.moves.end(), [&](const TrafficMove& move) { return move.robot == robot; });
+  }
+
+  void FindPresentMoves() {
+    present_.assign(plan_.robots.size(), plan_.moves.end());
+    is_made_.assign(plan_.moves.size(), false);
+    for (auto move = plan_.moves.begin(); move != plan_.moves.end(); ++move) {
+      const std::optional<std::uint32_t> row = RowOf(move->robot);
+      if (row && present_[*row] == plan_.moves.end()) present_[*row] = move;
+    }
+  }
+
+  void RemoveMade() {
+    auto is_made = is_made_.begin();
+    std::erase_if(plan_.moves, [&](const TrafficMove&) { return *is_made++; });
+    present_.clear();
   }
 
   void RemoveAbsent(std::span<const TrafficRequest> requests) {
@@ -120,23 +145,24 @@ class Planner {
       if (is_absent) ++robot.held;
     }
     if (std::erase_if(plan_.robots, [](const TrafficRobot& robot) { return robot.absent > kMaxAbsent; }) == 0) return;
+    NumberRows();
     std::erase_if(plan_.moves, [this](const TrafficMove& move) { return !RowOf(move.robot); });
   }
 
   void Report(std::uint32_t row, const TrafficRequest& request) {
     TrafficRobot& robot = plan_.robots[row];
+    std::vector<TrafficMove>::iterator& present = present_[row];
     while (robot.finished != request.finished) {
-      const auto front = FindPresent(robot.robot);
-      if (front == plan_.moves.end() || !front->granted) break;  // a report of a move that it does not have
-      if (front->to != robot.at && IsKnown(front->lane)) plan_.closures.erase(FindClosure(front->lane));
-      robot.at = front->to;
+      if (present == plan_.moves.end() || !present->granted) break;  // a report of a move that it does not have
+      if (present->to != robot.at && IsKnown(present->lane)) plan_.closures.erase(FindClosure(present->lane));
+      robot.at = present->to;
       robot.has_left = false;
       ++robot.finished;
-      plan_.moves.erase(front);
+      is_made_[static_cast<std::size_t>(present - plan_.moves.begin())] = true;
+      present = FindMove(robot.robot, present + 1);
     }
     robot.finished = request.finished;
     robot.held = request.holds ? robot.held + 1 : 0;
-    const auto present = FindPresent(robot.robot);
     // Where something was in the way before, it may have to turn back.
     if (present != plan_.moves.end() && present->granted && present->to != robot.at && !IsKnown(present->lane)) {
       robot.has_left = robot.has_left || request.driven >= graph_.leave_distance(present->lane);
@@ -300,6 +326,8 @@ class Planner {
         claims.Add(row, move.lane);
       }
     }
+    // Those that are granted come first, so that a robot finds its own without a look at all others.
+    std::stable_partition(plan_.moves.begin(), plan_.moves.end(), [](const TrafficMove& move) { return move.granted; });
     for (std::uint32_t row = 0; row < plan_.robots.size(); ++row) CountWait(plan_.robots[row], row, granted[row] > 0);
   }
 
@@ -316,7 +344,10 @@ class Planner {
   Tick tick_;
   TrafficPlan& plan_;
   std::vector<bool> closed_;
-  std::vector<std::optional<std::uint32_t>> waits_for_ = {};  // by row
+  std::vector<std::uint32_t> rows_ = {};                             // by robot; kNone for one that takes no part
+  std::vector<std::vector<TrafficMove>::iterator> present_ = {};     // by row, of a robot that reports
+  std::vector<bool> is_made_ = {};                                   // by move
+  std::vector<std::optional<std::uint32_t>> waits_for_ = {};         // by row
   struct Stuck {
     RobotId robot;
     std::uint32_t at = 0;

@@ -42,7 +42,7 @@ struct TrafficRequest {
 
 struct TrafficPlan {
   std::vector<TrafficRobot> robots;   // ascending
-  std::vector<TrafficMove> moves;     // in the order of the plan
+  std::vector<TrafficMove> moves;     // in the order of the plan, those that are granted first
   std::vector<LaneClosure> closures;  // ascending
   bool operator==(const TrafficPlan&) const = default;
 };

@@ -100,70 +100,31 @@ void TrafficWays::Plan(Tick tick) {
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return robots_[a].since < robots_[b].since; });
-  for (const std::uint32_t row : order) {
-    const TrafficRobot& robot = robots_[row];
-    const bool has_turn = robot.since == tick || (tick + robot.robot.index()) % kTurnTicks == 0;
-    if (has_turn) has_no_way_[row] = !Insert(row);
-  }
-  if (!robots_.empty()) {
-    const auto row = static_cast<std::uint32_t>(tick % robots_.size());
-    if (IsOnWay(row) && !is_fixed_[row] && Insert(row)) has_no_way_[row] = false;
-  }
+  InsertWays(order, tick);
   if (tick % kSearchTicks == 0) SearchPastOthers(order, tick);
 }
 
-// A way of a robot among the moves of all others, in place of its moves.
-bool TrafficWays::Insert(std::uint32_t row) {
-  std::vector<TimedMove> others;
-  for (const RowMove& move : moves_) {
-    if (move.row != row) others.push_back({move});
-  }
-  std::vector<double> ready(places_.size(), 0.0);
-  std::vector<double> busy(graph_.lanes(), 0.0);
-  EstimateTimes(others, ready, busy);
-  PlanInsertion insertion(graph_, closed_, places_, others, row, ready[row], busy);
-  const std::uint32_t goal = *robots_[row].goal;
-  const std::optional<std::vector<PlanInsertion::Step>> steps = insertion.Find(goal, routes_.To(goal), kDelayWeight);
-  if (!steps) return false;
-  moves_.clear();
-  auto step = steps->begin();
-  std::uint32_t at = places_[row];
-  for (std::size_t i = 0; i <= others.size(); ++i) {
-    for (; step != steps->end() && step->position == i; ++step) {
-      moves_.push_back({row, step->exit.lane, at, step->exit.to});
-      at = step->exit.to;
-    }
-    if (i < others.size()) moves_.push_back(others[i].move);
-  }
-  return true;
-}
-
-// `ready`: s, by row, when the granted moves of a robot will have been made. `busy`: s, by lane, those near it.
-void TrafficWays::EstimateTimes(std::vector<TimedMove>& moves, std::vector<double>& ready,
-                                std::vector<double>& busy) const {
-  std::vector<double> groups_busy(graph_.groups(), 0.0);
-  const auto claim = [&](std::uint32_t lane, double until, std::vector<double>& lanes) {
-    for (const std::uint32_t near : graph_.LanesNearLane(lane)) lanes[near] = std::max(lanes[near], until);
-    for (const std::uint32_t group : graph_.GroupsOfLane(lane)) {
-      groups_busy[group] = std::max(groups_busy[group], until);
-    }
+// Ways of robots among the moves of all others, in place of their own moves.
+void TrafficWays::InsertWays(std::span<const std::uint32_t> order, Tick tick) {
+  MoveSequence sequence(graph_, places_, granted_, moves_);
+  PlanInsertion insertion(graph_, closed_);
+  const auto insert = [&](std::uint32_t row) {
+    const std::vector<MoveSequence::Step> present = sequence.TakeOut(row);
+    const std::uint32_t goal = *robots_[row].goal;
+    const auto steps = insertion.Find(sequence, row, goal, routes_.To(goal), kDelayWeight);
+    sequence.PutBack(row, steps ? *steps : present);
+    return steps.has_value();
   };
-  for (const RowMove& move : granted_) {
-    ready[move.row] += graph_.seconds(move.lane);
-    claim(move.lane, ready[move.row], busy);
+  for (const std::uint32_t row : order) {
+    const TrafficRobot& robot = robots_[row];
+    const bool has_turn = robot.since == tick || (tick + robot.robot.index()) % kTurnTicks == 0;
+    if (has_turn && insertion.visits() < kMaxInsertions) has_no_way_[row] = !insert(row);
   }
-  std::vector<double> lanes_busy = busy;
-  std::vector<double> robots_ready = ready;
-  for (TimedMove& timed : moves) {
-    const RowMove& move = timed.move;
-    timed.start = std::max(robots_ready[move.row], lanes_busy[move.lane]);
-    for (const std::uint32_t group : graph_.GroupsOfLane(move.lane)) {
-      timed.start = std::max(timed.start, groups_busy[group]);
-    }
-    timed.finish = timed.start + graph_.seconds(move.lane);
-    robots_ready[move.row] = timed.finish;
-    claim(move.lane, timed.finish, lanes_busy);
+  if (!robots_.empty()) {
+    const auto row = static_cast<std::uint32_t>(tick % robots_.size());
+    if (IsOnWay(row) && !is_fixed_[row] && insert(row)) has_no_way_[row] = false;
   }
+  moves_ = sequence.moves();
 }
 
 void TrafficWays::SearchPastOthers(std::span<const std::uint32_t> order, Tick tick) {

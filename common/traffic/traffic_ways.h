@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "common/traffic/formation.h"
+#include "common/traffic/move_sequence.h"
 #include "common/traffic/plan_insertion.h"
 #include "common/traffic/traffic_graph.h"
 #include "common/traffic/traffic_routes.h"
@@ -29,6 +30,7 @@ namespace troupe {
 class TrafficWays {
  public:
   static constexpr std::uint32_t kTurnTicks = 10;     // between two tries of a robot that waits for a way
+  static constexpr std::size_t kMaxInsertions = 15'000;  // visits of vertices, after which others wait for their turn
   static constexpr std::uint32_t kSearchTicks = 5;    // between two searches for ways past others
   static constexpr std::size_t kMaxCandidates = 8;    // of a search
   static constexpr std::size_t kMinOnWay = 3;         // robots for which others may be moved at a time
@@ -59,8 +61,7 @@ class TrafficWays {
   bool IsOnWay(std::uint32_t row) const;
   void FindThoseWithoutWay();
   std::vector<std::uint32_t> EndPlaces() const;
-  bool Insert(std::uint32_t row);
-  void EstimateTimes(std::vector<TimedMove>& moves, std::vector<double>& ready, std::vector<double>& busy) const;
+  void InsertWays(std::span<const std::uint32_t> order, Tick tick);
   void SearchPastOthers(std::span<const std::uint32_t> order, Tick tick);
   std::optional<std::vector<RowMove>> Push(std::uint32_t row, std::size_t& visits,
                                            std::span<const std::uint32_t> ends) const;

@@ -21,7 +21,8 @@ void PlannedWay::Read(const WorldState& state) {
   if (!takes_part_) {
     for (const TrafficRobot& robot : state.traffic_robots) taken_.push_back(robot.at);
     for (const TrafficMove& move : state.traffic_moves) {
-      if (move.granted) taken_.push_back(move.to);
+      if (!move.granted) break;
+      taken_.push_back(move.to);
     }
     std::sort(taken_.begin(), taken_.end());
     return;
@@ -29,7 +30,8 @@ void PlannedWay::Read(const WorldState& state) {
   if (is_first) finished_ = row->finished;
   at_ = row->at - first_vertex_;
   for (const TrafficMove& move : state.traffic_moves) {
-    if (move.robot == own_ && move.granted) moves_.push_back(move);
+    if (!move.granted) break;
+    if (move.robot == own_) moves_.push_back(move);
   }
   // Of a report that has not been read: a late robot of a run in real time.
   for (std::uint32_t ahead = finished_ - row->finished; ahead > 0 && !moves_.empty(); --ahead) {

@@ -17,16 +17,19 @@ namespace {
 // A plan with a vertex or a lane that the lanes do not have begins anew: a state may come from outside.
 bool HasPlaces(const WorldDescription& world, const TrafficPlan& plan) {
   const std::size_t vertices = CountVertices(world.lane_graphs);
+  const auto is_out_of_order = [](const TrafficRobot& a, const TrafficRobot& b) { return a.robot >= b.robot; };
+  if (std::adjacent_find(plan.robots.begin(), plan.robots.end(), is_out_of_order) != plan.robots.end()) return false;
   return std::all_of(plan.robots.begin(), plan.robots.end(), [&](const TrafficRobot& robot) {
     return robot.robot.index() < world.robots.size() && robot.at < vertices && (!robot.goal || *robot.goal < vertices);
   });
 }
 
 bool Fits(const TrafficGraph& graph, const TrafficPlan& plan) {
+  std::vector<RobotId> robots;
+  for (const TrafficRobot& robot : plan.robots) robots.push_back(robot.robot);
   const auto has_move = [&](const TrafficMove& move) {
     return move.lane < graph.lanes() && (move.to == graph.start(move.lane) || move.to == graph.end(move.lane)) &&
-           std::any_of(plan.robots.begin(), plan.robots.end(),
-                       [&](const TrafficRobot& robot) { return robot.robot == move.robot; });
+           std::binary_search(robots.begin(), robots.end(), move.robot);
   };
   const auto has_lane = [&](const LaneClosure& closure) { return closure.lane < graph.lanes(); };
   return std::all_of(plan.moves.begin(), plan.moves.end(), has_move) &&

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "common/traffic/traffic_routes.h"
@@ -27,42 +29,45 @@ LaneGraph Siding() {
 class PlanInsertionTest : public testing::Test {
  protected:
   explicit PlanInsertionTest(const LaneGraph& lanes = Siding())
-      : routes_(std::make_shared<const TrafficGraph>(GraphOf({lanes}))),
-        closed_(routes_.graph().lanes(), false),
-        busy_(routes_.graph().lanes(), 0.0) {
+      : routes_(std::make_shared<const TrafficGraph>(GraphOf({lanes}))), closed_(routes_.graph().lanes(), false) {
     routes_.Begin(closed_);
   }
 
   // The other robot drives along vertices, and starts at the first of them; 3 s for each lane.
-  std::vector<TimedMove> Drive(const std::vector<std::uint32_t>& vertices) const {
-    std::vector<TimedMove> moves;
+  std::vector<RowMove> Drive(const std::vector<std::uint32_t>& vertices) const {
+    std::vector<RowMove> moves;
     for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
       for (const TrafficExit& exit : routes_.graph().exits(vertices[i])) {
-        if (exit.to != vertices[i + 1]) continue;
-        const auto start = 3.0 * static_cast<double>(i);
-        moves.push_back({{1, exit.lane, vertices[i], exit.to}, start, start + 3.0});
+        if (exit.to == vertices[i + 1]) moves.push_back({1, exit.lane, vertices[i], exit.to});
       }
     }
     return moves;
   }
 
-  // "position>vertex" of each step; nothing without a way.
+  // "position>vertex" of each step, with the number of moves of the other one before it; nothing without a way.
   std::vector<std::string> Find(std::uint32_t from, std::uint32_t goal, const std::vector<std::uint32_t>& other) {
     const std::vector<std::uint32_t> places = {from, other.front()};
-    const std::vector<TimedMove> moves = Drive(other);
-    PlanInsertion insertion(routes_.graph(), closed_, places, moves, 0, 0.0, busy_);
-    const auto steps = insertion.Find(goal, routes_.To(goal), 1.0);
+    const std::vector<RowMove> moves = Drive(other);
+    MoveSequence sequence(routes_.graph(), places, {}, moves);
+    sequence.TakeOut(0);
+    PlanInsertion insertion(routes_.graph(), closed_);
+    const auto steps = insertion.Find(sequence, 0, goal, routes_.To(goal), 1.0);
     std::vector<std::string> texts;
     if (!steps) return texts;
-    for (const PlanInsertion::Step& step : *steps) {
-      texts.push_back(std::to_string(step.position) + ">" + std::to_string(step.exit.to));
+    sequence.PutBack(0, *steps);
+    std::size_t position = 0;
+    for (const RowMove& move : sequence.moves()) {
+      if (move.row == 1) {
+        ++position;
+      } else {
+        texts.push_back(std::to_string(position) + ">" + std::to_string(move.to));
+      }
     }
     return texts;
   }
 
   TrafficRoutes routes_;
   std::vector<bool> closed_;
-  std::vector<double> busy_;
 };
 
 TEST_F(PlanInsertionTest, ALoneRobotDrivesAtOnce) {
@@ -92,24 +97,26 @@ TEST_F(PlanInsertionTest, ClosedLanesAreLeftOut) {
 }
 
 TEST_F(PlanInsertionTest, LanesThatGrantedMovesNeedAreTakenLater) {
-  // A ring: the short way is busy for long.
+  // Two rows of vertices, joined at their ends, and one apart.
   LaneDraft draft;
-  draft.Add(0.0, 0.0);
-  draft.Add(3.0, 0.0);
-  draft.Add(3.0, 3.0);
-  draft.Add(0.0, 3.0);
-  for (std::uint32_t i = 0; i < 4; ++i) draft.Join(i, (i + 1) % 4);
+  for (int i = 0; i < 4; ++i) draft.Add(3.0 * i, 0.0);
+  for (int i = 0; i < 4; ++i) draft.Add(3.0 * i, 3.0);
+  for (const std::uint32_t i : {0U, 1U, 2U, 4U, 5U, 6U}) draft.Join(i, i + 1);
+  for (const std::uint32_t i : {0U, 3U}) draft.Join(i, i + 4);
+  const std::uint32_t apart = draft.Add(0.0, 20.0);
   TrafficRoutes routes(std::make_shared<const TrafficGraph>(GraphOf({draft.graph})));
-  const std::vector<bool> closed(4, false);
+  const std::vector<bool> closed(routes.graph().lanes(), false);
   routes.Begin(closed);
-  const std::vector<std::uint32_t> places = {0};
-  const auto lanes_to_1 = [&](double busy_seconds) {
-    const std::vector<double> busy = {busy_seconds, 0.0, 0.0, 0.0};
-    PlanInsertion insertion(routes.graph(), closed, places, {}, 0, 0.0, busy);
-    return insertion.Find(1, routes.To(1), 1.0).value().size();
+  const std::vector<std::uint32_t> places = {0, apart};
+  const auto first_vertex = [&](std::span<const RowMove> granted) {
+    MoveSequence sequence(routes.graph(), places, granted, {});
+    sequence.TakeOut(0);
+    PlanInsertion insertion(routes.graph(), closed);
+    return insertion.Find(sequence, 0, 3, routes.To(3), 1.0).value().front().to;
   };
-  EXPECT_EQ(lanes_to_1(2.0), 1u);
-  EXPECT_EQ(lanes_to_1(20.0), 3u);
+  EXPECT_EQ(first_vertex({}), 1u);
+  const std::vector<RowMove> granted(8, {1, 1, 1, 2});  // along lane 1, for long
+  EXPECT_EQ(first_vertex(granted), 4u);
 }
 
 }  // namespace
