@@ -14,6 +14,8 @@
 namespace troupe {
 namespace {
 
+constexpr double kStopWay = 0.15;  // m, to where the circle that it keeps clear would meet an obstacle
+
 struct WanderParameters {
   double speed = 0.4;           // m/s, ahead
   double turn_rate = 0.8;       // rad/s, with an obstacle ahead
@@ -21,6 +23,7 @@ struct WanderParameters {
   double front_angle = 0.5;     // rad: bearings within this are ahead
   double back_off_time = 1.0;   // s of driving backwards after a stall
   double steering_angle = 0.5;  // rad, car drives: steering in a turn
+  double clearance = 0.0;       // m: it keeps a circle of this radius about its origin clear; 0: none
 };
 
 Result<WanderParameters> ParseWander(const std::string& text) {
@@ -32,6 +35,7 @@ Result<WanderParameters> ParseWander(const std::string& text) {
   p.front_angle = reader.ReadNumber("front_angle", {0.0, kPi}).value_or(p.front_angle);
   p.back_off_time = reader.ReadNumber("back_off_time", {0.0, 3600.0}).value_or(p.back_off_time);
   p.steering_angle = reader.ReadNumber("steering_angle", {0.0, 0.5 * kPi}).value_or(p.steering_angle);
+  p.clearance = reader.ReadNumber("clearance", {0.0, 100.0}).value_or(p.clearance);
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;
 }
@@ -45,6 +49,7 @@ class WanderController final : public Controller {
         needed_(parameters.min_distance) {
     ranger_ = FindBestRanger(info);
     if (ranger_) rays_ = RaysOf(info, *ranger_);
+    if (ranger_ && parameters.clearance > 0.0) placed_rays_ = PlacedRaysOf(info, *ranger_);
   }
 
   std::vector<std::size_t> Subscriptions() const override {
@@ -64,15 +69,15 @@ class WanderController final : public Controller {
     }
     if (is_stuck) {
       stalled_at_ = now;
-      back_off_until_ = now + parameters_.back_off_time;
+      back_off_until_ = now + (view.back_is_clear ? parameters_.back_off_time : 0.0);
       // A random angle, against an endless sequence of stalls in one corner.
       turn_until_ = back_off_until_ + TurningTime(0.25 * kPi + 0.5 * kPi * observation.Random(0));
       turn_ = view.left_is_free ? 1.0 : -1.0;
     }
     if (now < back_off_until_) return Drive(-0.5 * parameters_.speed, 0.0);
     if (now < turn_until_) return Turn();
-    if (view.front >= parameters_.min_distance) needed_ = parameters_.min_distance;
-    if (view.front >= needed_) {
+    if (view.front >= parameters_.min_distance && view.front_is_clear) needed_ = parameters_.min_distance;
+    if (view.front >= needed_ && view.front_is_clear) {
       turn_ = 0.0;
       return Drive(parameters_.speed, 0.0);
     }
@@ -93,8 +98,10 @@ class WanderController final : public Controller {
 
  private:
   struct View {
-    double front;       // m, the shortest range ahead
-    bool left_is_free;  // there is at least as much room to the left as to the right
+    double front;                // m, the shortest range ahead
+    bool left_is_free;           // there is at least as much room to the left as to the right
+    bool front_is_clear = true;  // the circle about the body can move ahead
+    bool back_is_clear = true;   // likewise; also where no ray looks
   };
 
   View Look(const Observation& observation) const {
@@ -113,7 +120,24 @@ class WanderController final : public Controller {
       if (std::abs(ray.bearing) <= 0.5 * kPi && ray.bearing != 0.0) balance += ray.bearing > 0.0 ? range : -range;
     }
     view.left_is_free = balance >= 0.0;
+    if (placed_rays_) LookAround(reading, view);
     return view;
+  }
+
+  // Whether the circle about the body can move on before it meets an obstacle. Where it finds no way out in several
+  // turns, a smaller one has to do.
+  void LookAround(const SensorReading& reading, View& view) const {
+    const double share = parameters_.min_distance > 0.0 ? needed_ / parameters_.min_distance : 1.0;
+    const double radius = parameters_.clearance * std::min(1.0, 4.0 * share);
+    for (const PlacedRay& placed : **placed_rays_) {
+      const double range = RangeOf(reading, placed.ray);
+      if (range >= placed.ray.max_range) continue;
+      const Vec2 p_R = placed.p_RO + range * placed.direction;
+      if (std::abs(p_R.y()) >= radius) continue;
+      const double way = std::abs(p_R.x()) - std::sqrt(radius * radius - p_R.y() * p_R.y());
+      if (way >= kStopWay) continue;
+      (p_R.x() > 0.0 ? view.front_is_clear : view.back_is_clear) = false;
+    }
   }
 
   double TurningTime(double angle) const { return parameters_.turn_rate > 0.0 ? angle / parameters_.turn_rate : 0.0; }
@@ -140,6 +164,7 @@ class WanderController final : public Controller {
   bool car_;
   std::optional<std::size_t> ranger_;
   Shared<std::vector<RangerRay>> rays_;
+  std::optional<Shared<std::vector<PlacedRay>>> placed_rays_;  // with a circle to keep clear
   Recovery recovery_;
   double needed_;      // m: it turns away from a nearer obstacle ahead; min_distance, or less in a narrow place
   double turn_ = 0.0;  // 1: to the left, -1: to the right, 0: not turning
