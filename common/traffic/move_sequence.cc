@@ -284,9 +284,7 @@ void MoveSequence::FindFree(std::uint32_t lane, std::uint32_t to, const Range& w
 }
 
 bool MoveSequence::IsFreeAtEnd(std::uint32_t vertex) const {
-  const auto is_taken = [this](std::uint32_t other) {
-    return !stays_[other].empty() && stays_[other].back().end == kEnd;
-  };
+  const auto is_taken = [this](std::uint32_t other) { return IsTakenAtEnd(other); };
   const auto near = graph_.VerticesNearVertex(vertex);
   const auto groups = graph_.GroupsOfVertex(vertex);
   return std::none_of(near.begin(), near.end(), is_taken) &&

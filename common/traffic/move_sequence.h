@@ -69,7 +69,9 @@ class MoveSequence {
   // The positions within a range at which no robot at rest keeps another one from a move along a lane; ascending,
   // apart.
   void FindFree(std::uint32_t lane, std::uint32_t to, const Range& within, std::vector<Range>& free) const;
-  // A robot may rest there after all moves.
+  // A robot rests at a vertex after all moves.
+  bool IsTakenAtEnd(std::uint32_t vertex) const { return !stays_[vertex].empty() && stays_[vertex].back().end == kEnd; }
+  // Another robot may rest there after all moves.
   bool IsFreeAtEnd(std::uint32_t vertex) const;
   // s, when the last move that needs a vertex has been made; 0 without one.
   double LastFinishNear(std::uint32_t vertex) const;

@@ -83,6 +83,22 @@ bool PlanInsertion::SetDone(std::uint32_t vertex, Position begin, Position posit
   return true;
 }
 
+// Whether a way from a vertex to a goal is left once all others are at their ends.
+bool PlanInsertion::IsOpenAtEnd(const MoveSequence& sequence, std::uint32_t from, std::uint32_t goal) const {
+  std::vector<bool> is_reached(graph_.vertices(), false);
+  std::vector<std::uint32_t> reached = {goal};
+  is_reached[goal] = true;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (reached[i] == from) return true;
+    for (const TrafficExit& entry : graph_.entries(reached[i])) {
+      if (is_reached[entry.to] || closed_[entry.lane] || sequence.IsTakenAtEnd(entry.to)) continue;
+      is_reached[entry.to] = true;
+      reached.push_back(entry.to);
+    }
+  }
+  return false;
+}
+
 std::optional<std::vector<MoveSequence::Step>> PlanInsertion::Find(const MoveSequence& sequence, std::uint32_t row,
                                                                    std::uint32_t goal,
                                                                    const std::vector<float>& seconds_to_goal,
@@ -97,15 +113,18 @@ std::optional<std::vector<MoveSequence::Step>> PlanInsertion::Find(const MoveSeq
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   // It stays only after the last move that needs its goal.
   const double least = sequence.LastFinishNear(goal);
+  const std::size_t begun = visits_;
+  const std::size_t most = IsOpenAtEnd(sequence, sequence.place(row), goal) ? kMaxVisits : kMaxVisitsOfShut;
   const auto add = [&](const State& state) {
     const auto left = static_cast<double>(seconds_to_goal[state.vertex]);
     if (left == MoveSequence::kNever || IsDone(state.vertex, state.rest.begin, state.position)) return;
-    open.push({state.delays + std::max(state.seconds + left, least), left, state.position, static_cast<std::uint32_t>(states.size())});
+    const double weight = visits_ - begun < kExactVisits ? 1.0 : kHaste;
+    open.push({state.delays + std::max(state.seconds + weight * left, least), left, state.position, static_cast<std::uint32_t>(states.size())});
     states.push_back(state);
   };
   const std::uint32_t place = sequence.place(row);
   add({.vertex = place, .rest = sequence.RestAt(place, 0), .seconds = sequence.ready(row)});
-  while (!open.empty()) {
+  while (!open.empty() && visits_ - begun < most) {
     const std::uint32_t number = std::get<3>(open.top());
     open.pop();
     const State state = states[number];

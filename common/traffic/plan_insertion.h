@@ -21,6 +21,13 @@ namespace troupe {
 
 class PlanInsertion {
  public:
+  // Of vertices, in a search: after some it looks for any way, which is not much longer.
+  static constexpr std::size_t kExactVisits = 3'000;
+  static constexpr double kHaste = 4.0;  // the weight of the time to the goal from then on
+  static constexpr std::size_t kMaxVisits = 20'000;
+  // Where the others will shut the robot off from its goal, so that it has to pass before them.
+  static constexpr std::size_t kMaxVisitsOfShut = 5'000;
+
   // `closed`: by lane. Both outlive it. It serves many searches.
   PlanInsertion(const TrafficGraph& graph, const std::vector<bool>& closed);
 
@@ -35,6 +42,7 @@ class PlanInsertion {
  private:
   using Position = MoveSequence::Position;
 
+  bool IsOpenAtEnd(const MoveSequence& sequence, std::uint32_t from, std::uint32_t goal) const;
   bool IsDone(std::uint32_t vertex, Position begin, Position position) const;
   bool SetDone(std::uint32_t vertex, Position begin, Position position);
 
