@@ -58,6 +58,7 @@ set(may_include_worldfile
   worldfile/stage worldfile/text)
 # VDA 5050: messages, and the rules of both sides, as pure functions.
 set(may_include_fleet common/base)
+set(may_include_transport/mqtt common/base)
 set(may_include_transport/protocol common/base common/geometry common/model)
 set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
 set(may_include_transport/security common/base transport/protocol common/run)
