@@ -7,7 +7,7 @@ set(public_headers_of_common/base check deterministic_math enum_names fields ids
 set(public_headers_of_common/geometry polygon pose rectangle vec2 z_range)
 set(public_headers_of_common/bitmap bitmap dense_cover occupancy_grid pixel_area rectangle_cover)
 set(public_headers_of_common/model
-  color door_description event interval named_expectation order person_description radio_limits radio_message robot_command
+  color door_description event fleet_message interval named_expectation order person_description radio_limits radio_message robot_command
   sensor_description site_description site_state traffic_state world_description world_state)
 set(public_headers_of_common/picture picture_options)
 set(public_headers_of_testing/expectations expectation)
