@@ -63,7 +63,7 @@ set(may_include_transport/protocol common/base common/geometry common/model)
 set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
 set(may_include_transport/security common/base transport/protocol common/run)
 set(may_include_common/trace common/base)
-set(may_include_command_line common/base transport/protocol common/run common/trace)
+set(may_include_command_line common/base transport/mqtt transport/protocol common/run common/trace)
 set(may_include_transport/dds/binding common/base)
 set(may_include_transport/dds/convert common/base common/bitmap common/geometry common/model transport/protocol transport/dds/binding idl)
 set(may_include_transport/wire common/base transport/protocol transport/dds/binding transport/dds/convert idl)
@@ -97,12 +97,14 @@ set(may_include_world-service/replay
   worldfile world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
   common/base common/model transport/protocol common/run world-service/service)
+set(may_include_world-service/observers/fleet
+  common/base common/model common/run common/spatial fleet transport/mqtt transport/protocol world-service/service)
 set(may_include_world-service/observers/ros
   common/base common/geometry common/image common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
   ros/connection ros/link idl/ros world-service/core world-service/service worldfile/sites)
 set(may_include_world-service/program
   common/base command_line common/model transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
-  worldfile worldfile/grids worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
+  worldfile worldfile/grids worldfile/models world-service/observers/fleet world-service/observers/recorder world-service/observers/ros world-service/replay
   world-service/service)
 set(may_include_world-service
   common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/link common/run transport/security common/spatial
@@ -111,7 +113,7 @@ set(may_include_world-service
 set(may_include_robot-agent/navigation
   common/base common/geometry common/model common/spatial include/troupe/controller.h include/troupe/sensor.h)
 set(may_include_robot-agent/controller
-  common/base common/geometry common/model include/troupe/controller.h include/troupe/parameters.h
+  common/base common/geometry common/model common/spatial fleet include/troupe/controller.h include/troupe/parameters.h
   include/troupe/sensor.h robot-agent/gripper robot-agent/navigation)
 set(may_include_robot-agent/drive common/base common/geometry common/model include/troupe/controller.h)
 set(may_include_robot-agent/gripper common/base common/model include/troupe/controller.h)
@@ -199,7 +201,7 @@ set(may_include_launcher/supervise
   transport/security common/spatial
   common/trace
   worldfile worldfile/grids worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
-  robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
+  robot-agent/ros world-service/observers/fleet world-service/observers/recorder world-service/program world-service/service)
 set(may_include_launcher/export
   common/base common/sensing common/signals common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove common/model worldfile/grids
   world-service/observers/recorder world-service/replay world-service/service)
@@ -207,7 +209,7 @@ set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands
   common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
-  recording common/run transport/security
+  recording common/run transport/mqtt transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/grids worldfile/models worldfile/scenario
   worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
   testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder

@@ -11,6 +11,7 @@
 
 #include "common/base/distinct_files.h"
 #include "common/base/identity.h"
+#include "common/base/print.h"
 #include "common/base/system_error.h"
 #include "recording/journal.h"
 #include "robot-agent/controller/create_controller.h"
@@ -244,6 +245,13 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
     Result<Recorders> recorders = MakeRecorders(*run.first_world, outputs, run.options.world_file, needs_memory);
     if (!recorders.ok()) return recorders.error();
     run.recorders = std::move(recorders).value();
+  }
+  if (!source.fleet.url.empty()) {
+    Result<std::unique_ptr<RunObserver>> gateway =
+        MakeFleetGateway(source.fleet, run.world(), [](const std::string& line) { PrintPlain(stderr, "{}\n", line); });
+    if (!gateway.ok()) return gateway.error();
+    run.fleet_gateway = std::move(gateway).value();
+    observers.push_back(run.fleet_gateway.get());
   }
   for (const std::unique_ptr<RunObserver>& recorder : run.recorders.observers) observers.push_back(recorder.get());
   run.history = MakeRunHistory(run.recorders.recordings);
