@@ -73,8 +73,6 @@ Result<Broker> ParseBrokerUrl(const std::string& url) {
   return broker;
 }
 
-namespace {
-
 Status ReadCredentials(const std::string& path, Broker& broker) {
   std::ifstream file(path);
   std::string line;
@@ -87,26 +85,6 @@ Status ReadCredentials(const std::string& path, Broker& broker) {
   broker.user = line.substr(0, colon);
   broker.password = line.substr(colon + 1);
   return {};
-}
-
-}  // namespace
-
-Result<Broker> ReadBroker(const std::string& url, const BrokerFiles& files) {
-  Result<Broker> read = ParseBrokerUrl(url);
-  if (!read.ok()) return read;
-  Broker& broker = read.value();
-  if (!broker.tls && !(files.ca.empty() && files.certificate.empty() && files.key.empty())) {
-    return Error{{}, "found certificates for the broker " + broker.Url() + ", expected mqtts://HOST[:PORT]"};
-  }
-  if (files.certificate.empty() != files.key.empty()) {
-    return Error{{}, "found a certificate without its key or a key without its certificate, expected both"};
-  }
-  broker.ca_file = files.ca;
-  broker.certificate_file = files.certificate;
-  broker.key_file = files.key;
-  if (files.credentials.empty()) return read;
-  if (Status status = ReadCredentials(files.credentials, broker); !status.ok()) return status.error();
-  return read;
 }
 
 }  // namespace troupe::mqtt

@@ -25,15 +25,7 @@ struct Broker {
 // Reads "mqtt://HOST[:PORT]" (port 1883) or "mqtts://HOST[:PORT]" (8883). HOST may be an IPv6 address in brackets.
 Result<Broker> ParseBrokerUrl(const std::string& url);
 
-// Files for a connection; empty: none.
-struct BrokerFiles {
-  std::string ca = {};  // as in Broker, like the next two
-  std::string certificate = {};
-  std::string key = {};
-  std::string credentials = {};  // its first line is "USER:PASSWORD": on a command line other users would see them
-};
-
-// Reads the address and the file of credentials. The error is also a certificate without TLS or without its key.
-Result<Broker> ReadBroker(const std::string& url, const BrokerFiles& files);
+// Reads user and password from the first line of a file, "USER:PASSWORD": on a command line other users would see them.
+Status ReadCredentials(const std::string& path, Broker& broker);
 
 }  // namespace troupe::mqtt
