@@ -31,13 +31,10 @@ void JudgeHeader(MessageJudge& judge, const ObservedMessage& observed, const Hea
     }
     sender.timestamp = std::max(sender.timestamp, time);
   }
-  if (!header.version.empty()) {
-    const std::optional<Version> version = FindVersion(header.version);
-    const int major = observed.major_version;
-    if (!version || (major != 0 && MajorOf(*version) != major)) {
-      judge.Break(Rule::kVersionOfTopic,
-                  "version '" + header.version + "'" + (major != 0 ? " in a topic of v" + std::to_string(major) : ""));
-    }
+  const std::optional<Version> version = FindVersion(header.version);
+  if (version && observed.major_version != 0 && MajorOf(*version) != observed.major_version) {
+    judge.Break(Rule::kVersionOfTopic,
+                "version '" + header.version + "' in a topic of v" + std::to_string(observed.major_version));
   }
   const bool has_sender = !header.manufacturer.empty() || !header.serial_number.empty();
   if (has_sender && (header.manufacturer != observed.manufacturer || header.serial_number != observed.serial_number)) {
@@ -156,6 +153,17 @@ std::vector<Verdict> CheckTime(CheckerMemory& memory, std::int64_t milliseconds,
     all.insert(all.end(), verdicts.begin(), verdicts.end());
   }
   return all;
+}
+
+void MissMessages(CheckerMemory& memory) {
+  for (auto& [name, record] : memory.vehicles) {
+    VehicleRecord kept;
+    kept.messages = record.messages;
+    kept.version = record.version;
+    kept.factsheet = std::move(record.factsheet);
+    for (std::size_t i = 0; i < kept.senders.size(); ++i) kept.senders[i].timestamp = record.senders[i].timestamp;
+    record = std::move(kept);
+  }
 }
 
 }  // namespace troupe::fleet

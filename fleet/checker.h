@@ -89,7 +89,7 @@ struct VehicleRecord {
 
     bool operator==(const SentOrder&) const = default;
   };
-  // An id that is used by an instant action and by an order tells nothing: before 3.0 both are in one list of states.
+  // Before 3.0 an id of an instant action that an order uses, too, tells nothing: both are in one list of states.
   struct ActionUse {
     std::string place;  // "instant action TYPE", or the order
     bool is_ambiguous = false;
@@ -135,6 +135,9 @@ struct CheckerMemory {
 
 // The verdicts about a message, and about what should have come before it.
 std::vector<Verdict> CheckMessage(CheckerMemory& memory, const ObservedMessage& message, const CheckerOptions& options);
+
+// Messages may have been missed: only what vehicles are and may do is still known.
+void MissMessages(CheckerMemory& memory);
 
 // The verdicts about what should have come by now, at the end of a sequence and while there are no messages.
 std::vector<Verdict> CheckTime(CheckerMemory& memory, std::int64_t milliseconds, const CheckerOptions& options);

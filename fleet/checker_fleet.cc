@@ -33,7 +33,8 @@ void JudgeActionId(MessageJudge& judge, const Action& action, const std::string&
   const auto [known, is_new] = uses.try_emplace(action.id, VehicleRecord::ActionUse{place});
   VehicleRecord::ActionUse& use = known->second;
   if (is_new || use.place == place) return;
-  if (use.place.starts_with(kInstantPlace) != place.starts_with(kInstantPlace)) use.is_ambiguous = true;
+  const bool is_in_both = use.place.starts_with(kInstantPlace) != place.starts_with(kInstantPlace);
+  if (is_in_both && !judge.is_3()) use.is_ambiguous = true;
   judge.Break(Rule::kActionIdsUnique,
               "the actionId '" + action.id + "' of " + place + ", which was used by " + use.place, "an id of its own");
 }

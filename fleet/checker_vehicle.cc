@@ -363,7 +363,10 @@ void JudgeInstantEnds(MessageJudge& judge, const State& state, const StateIndex&
     const ActionState* const now = index.FindInstant(sent.action.id, version);
     if (now == nullptr) continue;
     sent.is_reported = true;
-    if (IsAmbiguous(sent.action.id, record)) continue;
+    if (IsAmbiguous(sent.action.id, record)) {
+      if (sent.action.type == "cancelOrder") record.route.is_known = false;
+      continue;
+    }
     const ActionState* const before = index_before ? index_before->FindInstant(sent.action.id, version) : nullptr;
     const bool is_new = before == nullptr || before->status != now->status;
     const std::string& type = sent.action.type;

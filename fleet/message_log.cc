@@ -65,7 +65,7 @@ std::string LogLine(const LoggedMessage& message) {
 Status VisitLog(const std::string& path,
                 const std::function<Status(const LoggedMessage& message, int line)>& visit) {
   const Result<FileDescriptor> file = OpenToRead(path);
-  if (!file.ok()) return Error{{path}, "cannot read: " + file.error().message, file.error().code};
+  if (!file.ok()) return Error{{path}, file.error().message};
   std::string text;  // that no line has been made of yet
   int line = 0;
   const auto read_line = [&](std::string_view content) -> Status {

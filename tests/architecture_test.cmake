@@ -63,7 +63,7 @@ set(may_include_transport/protocol common/base common/geometry common/model)
 set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
 set(may_include_transport/security common/base transport/protocol common/run)
 set(may_include_common/trace common/base)
-set(may_include_command_line common/base transport/protocol common/run common/trace)
+set(may_include_command_line common/base transport/mqtt transport/protocol common/run common/trace)
 set(may_include_transport/dds/binding common/base)
 set(may_include_transport/dds/convert common/base common/bitmap common/geometry common/model transport/protocol transport/dds/binding idl)
 set(may_include_transport/wire common/base transport/protocol transport/dds/binding transport/dds/convert idl)
@@ -206,7 +206,7 @@ set(may_include_launcher/export
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands
-  common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
+  common/base command_line fleet transport/dds/tools transport/mqtt common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/grids worldfile/models worldfile/scenario
   worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
