@@ -103,7 +103,7 @@ set(may_include_world-service/observers/ros
   common/base common/geometry common/image common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
   ros/connection ros/link idl/ros world-service/core world-service/service worldfile/sites)
 set(may_include_world-service/program
-  common/base command_line common/model transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
+  common/base command_line common/model transport/mqtt transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
   worldfile worldfile/grids worldfile/models world-service/observers/fleet world-service/observers/recorder world-service/observers/ros world-service/replay
   world-service/service)
 set(may_include_world-service
@@ -201,15 +201,15 @@ set(may_include_launcher/supervise
   transport/security common/spatial
   common/trace
   worldfile worldfile/grids worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
-  robot-agent/ros world-service/observers/fleet world-service/observers/recorder world-service/program world-service/service)
+  robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
 set(may_include_launcher/export
   common/base common/sensing common/signals common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove common/model worldfile/grids
   world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands
-  common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
-  recording common/run transport/mqtt transport/security
+  common/base command_line fleet transport/dds/tools transport/mqtt common/geometry common/model common/picture transport/protocol
+  recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/grids worldfile/models worldfile/scenario
   worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
   testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder

@@ -227,16 +227,16 @@ int RunCommand(RunOptions options, const std::vector<std::string>& ros_options) 
   if (const Status status = CheckRosOptions(options, ros_options); !status.ok()) return Fail(status.error());
   const TemporaryFolder broker_folder;
   std::unique_ptr<LocalBroker> broker;  // outlives the run
-  if (options.fleet.url == "local") {
+  if (options.fleet.broker.url == "local") {
     Result<std::unique_ptr<LocalBroker>> started = LocalBroker::Start(broker_folder.path());
     if (!started.ok()) return Fail(started.error());
     broker = std::move(started).value();
-    options.fleet.url = broker->Url();
-    fmt::print("broker: {}\n", options.fleet.url);
+    options.fleet.broker.url = broker->Url();
+    fmt::print("broker: {}\n", options.fleet.broker.url);
     std::fflush(stdout);
-  } else if (!options.fleet.url.empty()) {
-    const Result<mqtt::Broker> valid = mqtt::ReadBroker(options.fleet.url, options.fleet.files);
-    if (!valid.ok()) return Fail({valid.error().where, "--vda5050: " + valid.error().message});
+  } else if (!options.fleet.broker.url.empty()) {
+    const Result<mqtt::Broker> valid = BrokerOf(options.fleet.broker);
+    if (!valid.ok()) return Fail(valid.error());
   }
   const MakeViewer make_viewer = [&options](Transport& transport, std::shared_ptr<SceneCache> scenes) {
     return std::make_unique<InProcessViewer>(transport, std::move(scenes), options.network.session, options.file);

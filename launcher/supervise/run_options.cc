@@ -182,8 +182,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->group(ros);
   AddFleetFlags(command, options.fleet,
                 "Connect the robots with the controller vda5050 to a fleet control through an MQTT broker: "
-                "mqtt://HOST[:PORT] or mqtts://HOST[:PORT]; local: the run starts one on the loopback interface",
-                "VDA 5050");
+                "mqtt://HOST[:PORT] or mqtts://HOST[:PORT]; local: the run starts one on the loopback interface");
   AddOutputFlags(command, options);
 
   AddFaultsFlag(command, options.faults);

@@ -15,7 +15,7 @@
 #include "common/trace/tick_trace.h"
 #include "ros/messages/ros_options.h"
 #include "troupe/result.h"
-#include "world-service/observers/fleet/fleet_gateway.h"
+#include "world-service/program/fleet_flags.h"
 #include "world-service/service/requested_file.h"
 #include "worldfile/load_world.h"
 

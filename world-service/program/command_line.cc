@@ -83,7 +83,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddWorldTopicFlags(app, line.ros.world, "ROS 2");
   AddPoseTopicFlags(app, line.ros.pose_topics, "ROS 2");
   AddLockstepFlags(app, line.ros.lockstep, "ROS 2");
-  AddFleetFlags(app, line.fleet, "Connect the vehicles to a fleet control through this MQTT broker", "VDA 5050");
+  AddFleetFlags(app, line.fleet, "Connect the vehicles to a fleet control through this MQTT broker");
   AddFaultsFlag(app, faults);
   app.set_version_flag("--version", std::string("world-service ") + VersionText());
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "world-service/observers/fleet/fleet_gateway.h"
+#include "command_line/broker_options.h"
 
 namespace CLI {
 class App;
@@ -12,9 +12,14 @@ class App;
 
 namespace troupe {
 
-// --vda5050, --vda-wait and those of the broker (command_line/broker_flags.h). `url_help`: of --vda5050. `options` must
+struct FleetOptions {
+  BrokerOptions broker;       // without a URL: no gateway
+  double wait_seconds = 0.0;  // of wall time, for messages after a tick with a state of a vehicle
+};
+
+// --vda5050 with this help text, its relatives (command_line/broker_options.h), and --vda5050-wait. `options` must
 // outlive the parsing.
-void AddFleetFlags(CLI::App& app, FleetOptions& options, const std::string& url_help, const std::string& group);
+void AddFleetFlags(CLI::App& app, FleetOptions& options, const std::string& url_help);
 
 // The arguments that give another program the same options.
 std::vector<std::string> FleetArguments(const FleetOptions& options);

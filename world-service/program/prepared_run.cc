@@ -246,9 +246,12 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
     if (!recorders.ok()) return recorders.error();
     run.recorders = std::move(recorders).value();
   }
-  if (!source.fleet.url.empty()) {
+  if (!source.fleet.broker.url.empty()) {
+    const Result<mqtt::Broker> broker = BrokerOf(source.fleet.broker);
+    if (!broker.ok()) return broker.error();
     Result<std::unique_ptr<RunObserver>> gateway =
-        MakeFleetGateway(source.fleet, run.world(), [](const std::string& line) { PrintPlain(stderr, "{}\n", line); });
+        MakeFleetGateway(broker.value(), source.fleet.wait_seconds, run.world(),
+                         [](const std::string& line) { PrintPlain(stderr, "{}\n", line); });
     if (!gateway.ok()) return gateway.error();
     run.fleet_gateway = std::move(gateway).value();
     observers.push_back(run.fleet_gateway.get());

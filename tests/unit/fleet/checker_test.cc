@@ -65,8 +65,8 @@ class Conversation {
     change(state);
     See(Topic::kState, Encode(state, version_));
   }
-  void See(Topic topic, const std::string& payload) {
-    Keep(CheckMessage(checker_, {"Troupe", "anna", topic, milliseconds_, payload}, options_));
+  void See(Topic topic, const std::string& payload, int major_version = 0) {
+    Keep(CheckMessage(checker_, {"Troupe", "anna", topic, milliseconds_, payload, major_version}, options_));
     milliseconds_ += 100;
   }
   void Wait(std::int64_t milliseconds) {
@@ -127,6 +127,11 @@ std::vector<std::pair<Rule, Play>> BrokenRules() {
       {Rule::kTimestampGrows,
        [](Conversation& c) { c.ReportAs([&](State& s) { s.header.timestamp = FormatTimestamp(0, c.version()); }); }},
       {Rule::kSenderInTopic, [](Conversation& c) { c.ReportAs([](State& s) { s.header.serial_number = "bela"; }); }},
+      {Rule::kVersionOfTopic,
+       [](Conversation& c) {
+         const Connection message{SampleHeader(c.version()), ConnectionState::kOnline};
+         c.See(Topic::kConnection, Encode(message, c.version()), 1);
+       }},
       {Rule::kOrderForm,
        [](Conversation& c) {
          Order order = SampleOrder(c.version(), "o1", 0, "ABC", 3);
@@ -430,6 +435,53 @@ TEST_P(CheckerOf, AGoodConversationBreaksNoRule) {
   c.Give(ModeChanged{OperatingMode::kManual});
   c.Give(ModeChanged{OperatingMode::kAutomatic});
   for (const Verdict& verdict : c.verdicts()) ADD_FAILURE() << verdict.ToString();
+}
+
+// Without a version of all messages each vehicle is judged by its own, and a topic of another one is a violation.
+TEST(Checker, EachVehicleIsJudgedByItsVersion) {
+  CheckerMemory memory;
+  const CheckerOptions options;
+  const auto see = [&](const std::string& vehicle, const Connection& connection, Version version, int major) {
+    return CheckMessage(memory, {"Troupe", vehicle, Topic::kConnection, 0, Encode(connection, version), major},
+                        options);
+  };
+  for (const Version version : {Version::k2_0, Version::k2_1, Version::k3_0}) {
+    Connection connection{SampleHeader(version), ConnectionState::kOnline};
+    connection.header.serial_number = NameOf(version);
+    EXPECT_THAT(see(NameOf(version), connection, version, MajorOf(version)), IsEmpty());
+    EXPECT_EQ(memory.vehicles.at(std::string("Troupe/") + NameOf(version)).version, version);
+  }
+  const auto verdicts = see("anna", {SampleHeader(Version::k2_1), ConnectionState::kOnline}, Version::k2_1, 3);
+  ASSERT_EQ(verdicts.size(), 1u);
+  EXPECT_EQ(verdicts[0].rule, Rule::kVersionOfTopic);
+  EXPECT_EQ(verdicts[0].found, "version '2.1.0' in a topic of v3");
+}
+
+// Nothing that a message can have takes long, or fills the memory.
+TEST_P(CheckerOf, HostileMessagesAreJudgedSoonAndInFewWords) {
+  CheckerMemory memory;
+  CheckerOptions options;
+  options.version = GetParam();
+  State state = MakeState(VehicleMemory(), SampleProfile(GetParam()), SampleReadings());
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    const std::string id = "a" + std::to_string(i);
+    state.action_states.push_back({id, {}, {}, ActionStatus::kRunning, {}});
+    state.node_states.push_back({"n", 5, {}, true, {}});
+  }
+  std::vector<Verdict> verdicts;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    state.header = SampleHeader(GetParam(), i);
+    if (i == 2) state.action_states.clear();
+    verdicts = CheckMessage(memory, {"Troupe", "anna", Topic::kState, 0, Encode(state, GetParam())}, options);
+  }
+  const auto kept = std::count_if(verdicts.begin(), verdicts.end(),
+                                  [](const Verdict& verdict) { return verdict.rule == Rule::kActionStatesKept; });
+  EXPECT_EQ(static_cast<std::size_t>(kept), kMostVerdicts);
+  for (std::size_t i = 0; i < kMostVehicles + 10; ++i) {
+    CheckMessage(memory, {"Troupe", std::to_string(i), Topic::kState, 0, "{"}, options);
+  }
+  EXPECT_EQ(memory.vehicles.size(), kMostVehicles);
+  EXPECT_EQ(memory.left_out, 11u);
 }
 
 TEST_P(CheckerOf, ACheckerThatComesLateKnowsNothingOfTheOrder) {

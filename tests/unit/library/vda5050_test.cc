@@ -162,7 +162,9 @@ class FleetOfHall {
     return std::move(loaded).value();
   }
 
-  std::int64_t Now() const { return *fleet::ParseTimestamp("2026-01-01T00:00:00Z") + std::llround(simulation_.time() * 1e3); }
+  std::int64_t Now() const {
+    return *fleet::ParseTimestamp("2026-01-01T00:00:00Z") + std::llround(simulation_.time() * 1e3);
+  }
   fleet::Header Header(std::uint32_t& count) const {
     return {count++, fleet::FormatTimestamp(Now(), version_), fleet::VersionText(version_), "Troupe", robot_name_};
   }

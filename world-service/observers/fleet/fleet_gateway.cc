@@ -63,8 +63,8 @@ Result<std::map<std::string, fleet::VehicleSettings>> VehiclesOf(const WorldDesc
 
 class FleetGateway final : public RunObserver {
  public:
-  FleetGateway(mqtt::Broker broker, const FleetOptions& options, std::function<void(const std::string&)> lines)
-      : wait_(options.wait_seconds), connections_(std::move(broker), wake_.descriptor()), lines_(std::move(lines)) {}
+  FleetGateway(const mqtt::Broker& broker, double wait_seconds, std::function<void(const std::string&)> lines)
+      : wait_(wait_seconds), connections_(broker, wake_.descriptor()), lines_(std::move(lines)) {}
 
   ~FleetGateway() override { End(); }
 
@@ -391,18 +391,17 @@ class FleetGateway final : public RunObserver {
 
 }  // namespace
 
-Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const FleetOptions& options, const WorldDescription& world,
+Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const mqtt::Broker& broker, double wait_seconds,
+                                                      const WorldDescription& world,
                                                       std::function<void(const std::string&)> lines) {
-  Result<mqtt::Broker> broker = mqtt::ReadBroker(options.url, options.files);
-  if (!broker.ok()) return Error{broker.error().where, "--vda5050: " + broker.error().message};
   const Result<std::map<std::string, fleet::VehicleSettings>> vehicles = VehiclesOf(world);
   if (!vehicles.ok()) return vehicles.error();
   if (vehicles.value().empty()) {
     return Error{{}, "--vda5050: the world has no vehicle, expected a robot with the controller vda5050"};
   }
   const auto limited = std::make_shared<FloodLimiter>(std::move(lines));
-  return std::unique_ptr<RunObserver>(std::make_unique<FleetGateway>(
-      std::move(broker).value(), options, [limited](const std::string& line) { limited->Add(line); }));
+  return std::unique_ptr<RunObserver>(
+      std::make_unique<FleetGateway>(broker, wait_seconds, [limited](const std::string& line) { limited->Add(line); }));
 }
 
 }  // namespace troupe

@@ -9,6 +9,7 @@
 // broker but in OnBegin and OnEnd.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -18,14 +19,10 @@
 
 namespace troupe {
 
-struct FleetOptions {
-  std::string url;  // of the broker; empty: no gateway
-  mqtt::BrokerFiles files = {};
-  double wait_seconds = 0.0;  // wall time for which the run waits for answers after a tick with a state of a vehicle
-};
-
-// The error is an option that is wrong, or a world without vehicles. `lines`: receives lines for users, on any thread.
-Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const FleetOptions& options, const WorldDescription& world,
+// `wait_seconds`: wall time for which the run waits for answers after a tick with a state of a vehicle. The error is a
+// world without vehicles, or with two of the same topics. `lines`: receives lines for users, on any thread.
+Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const mqtt::Broker& broker, double wait_seconds,
+                                                      const WorldDescription& world,
                                                       std::function<void(const std::string&)> lines);
 
 }  // namespace troupe
