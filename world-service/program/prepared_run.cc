@@ -16,6 +16,7 @@
 #include "recording/journal.h"
 #include "robot-agent/controller/create_controller.h"
 #include "ros/messages/names.h"
+#include "world-service/observers/fleet/fleet_gateway.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/replay/continued_run.h"
 #include "world-service/replay/journal_history.h"
