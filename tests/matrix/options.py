@@ -53,6 +53,8 @@ VALUES = {
     "--ros-map": "grid", "--ros-clock-rate": "20", "--ros-map-resolution": "0.1", "--ros-map-height": "0.2", "--ros-rviz": "goal",
     "--agents": "2", "--cell": "2", "--paths": "paths", "--delays": "0.1", "--planner": "cat",
     "--ros-lockstep-period": "2", "--ros-lockstep-limit": "3", "--ros-lockstep-at-limit": "continue", "--ros-participants": "host",
+    "--vda5050": "local", "--vda5050-user": "user", "--vda5050-ca": "ca", "--vda5050-cert": "cert", "--vda5050-key": "key",
+    "--vda5050-wait": "20",
 }
 CONNECTION = {"--security": "auto"}
 
