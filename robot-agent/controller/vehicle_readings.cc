@@ -1,6 +1,7 @@
 #include "robot-agent/controller/vehicle_readings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "common/spatial/body_index.h"
@@ -11,6 +12,12 @@ namespace {
 
 constexpr std::uint32_t kMostNodes = 1000;
 constexpr std::uint32_t kMostActions = 1000;
+
+// Without the last bits of motions, which would make each state another one.
+double Rounded(double value) {
+  constexpr double kUnits = 1e6;  // of m, rad and their quotients
+  return std::round(value * kUnits) / kUnits + 0.0;
+}
 
 VehicleLoad LoadAt(const Surroundings& around, ObjectId object) {
   const ModelId root = around.world().objects[object.index()];
@@ -46,9 +53,10 @@ fleet::Load ToLoad(const Surroundings& around, RobotId robot, const VehicleLoad&
   result.id = load.name;
   result.type = around.world().model(load.model).type;
   result.position = "load";
-  result.bounding_box_reference = {X_RO.x, X_RO.y, X_RO.z + z.min, X_RO.heading};
+  result.bounding_box_reference = {Rounded(X_RO.x), Rounded(X_RO.y), Rounded(X_RO.z + z.min), Rounded(X_RO.heading)};
   if (!box.empty()) {
-    result.dimensions = fleet::LoadDimensions{box.max_x - box.min_x, box.max_y - box.min_y, z.max - z.min};
+    result.dimensions =
+        fleet::LoadDimensions{Rounded(box.max_x - box.min_x), Rounded(box.max_y - box.min_y), Rounded(z.max - z.min)};
   }
   return result;
 }
@@ -183,13 +191,14 @@ fleet::VehicleReadings MakeReadings(const Surroundings& around, const Observatio
   fleet::VehicleReadings readings;
   const Pose& pose = observation.pose_estimate;
   fleet::RobotPosition position;
-  position.x = pose.x;
-  position.y = pose.y;
-  position.theta = WrapAngle(pose.heading);
+  position.x = Rounded(pose.x);
+  position.y = Rounded(pose.y);
+  position.theta = Rounded(WrapAngle(pose.heading));
   position.map_id = settings.map;
   position.localized = true;
   readings.position = position;
-  readings.velocity = fleet::Velocity{observation.twist.vx, observation.twist.vy, observation.twist.wz};
+  readings.velocity =
+      fleet::Velocity{Rounded(observation.twist.vx), Rounded(observation.twist.vy), Rounded(observation.twist.wz)};
   std::vector<fleet::Load> loads;
   for (const VehicleLoad& load : LoadsOf(around, robot)) loads.push_back(ToLoad(around, robot, load));
   readings.loads = std::move(loads);

@@ -169,8 +169,8 @@ TEST_F(Vda5050RunTest, AFleetControlThatAnswersInTimeMakesEqualRuns) {
     const std::string log = folder_.Path("hashes");
     FleetClient fleet(broker_->Url());
     fleet.AnswerFirstState(OrderTo(0.0));
-    Program run = Troupe(
-        Arguments({way, "--ticks", "200", "--speed", hashes.empty() ? "max" : "20", "--vda5050-wait", "300", "--hash-log", log}));
+    Program run = Troupe(Arguments(
+        {way, "--ticks", "200", "--speed", hashes.empty() ? "max" : "20", "--vda5050-wait", "300", "--hash-log", log}));
     ASSERT_TRUE(fleet.Await([&] { return run.HasEnded(); }));
     EXPECT_EQ(run.Wait(), 0) << run.output();
     EXPECT_EQ(fleet.state()->last_node_id, "to");

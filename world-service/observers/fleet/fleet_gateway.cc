@@ -99,6 +99,7 @@ class FleetGateway final : public RunObserver {
   Status OnTick(const CommittedTick& tick) override {
     const std::lock_guard lock(mutex_);
     tick_ = tick.frame.state.tick;
+    if (!std::exchange(has_begun_, true)) wake_.Signal();
     for (auto& [name, queued] : queued_) queued -= std::min(queued, kMaxFleetMessages);
     bool has_state = false;
     for (const Proposal& proposal : tick.proposals) {
@@ -242,12 +243,14 @@ class FleetGateway final : public RunObserver {
     std::vector<Outgoing> outgoing;
     std::shared_ptr<const Scene> world;
     double wait = kIdle;
+    bool begins = false;
     bool is_quiet = false;
     {
       const std::lock_guard lock(mutex_);
       wake_.Clear();
       outgoing.swap(outgoing_);
       world = std::exchange(new_world_, nullptr);
+      begins = has_begun_ && !is_online_;
       if (quiet_at_) {
         const double left = std::chrono::duration<double>(std::min(*quiet_at_, quiet_by_) - Clock::now()).count();
         is_quiet = left <= 0.0;
@@ -256,6 +259,7 @@ class FleetGateway final : public RunObserver {
       if (ends_ && outgoing.empty()) return false;
       if (ends_) wait = 0.0;
     }
+    if (begins) ComeOnline();
     if (world) Follow(world->world());
     for (const Outgoing& message : outgoing) Send(message);
     if (is_quiet) {
@@ -264,6 +268,15 @@ class FleetGateway final : public RunObserver {
     }
     for (const mqtt::Event& event : connections_.Wait(wait)) std::visit([this](const auto& e) { On(e); }, event);
     return true;
+  }
+
+  // The run takes orders from now on.
+  void ComeOnline() {
+    is_online_ = true;
+    for (auto& [name, vehicle] : vehicles_) {
+      if (!vehicle.is_gone) Announce(vehicle, fleet::ConnectionState::kOnline);
+    }
+    for (const mqtt::Received& received : std::exchange(early_, {})) On(received);
   }
 
   void Leave() {
@@ -293,8 +306,7 @@ class FleetGateway final : public RunObserver {
     const auto robot = robot_of_.find(connected.client);
     if (robot == robot_of_.end()) return;
     Vehicle& vehicle = vehicles_.at(robot->second);
-    if (vehicle.is_gone) return;
-    Announce(vehicle, fleet::ConnectionState::kOnline);
+    if (!vehicle.is_gone && is_online_) Announce(vehicle, fleet::ConnectionState::kOnline);
     if (!vehicle.factsheet.empty()) {
       connections_.Publish(vehicle.client, {vehicle.settings.TopicOf("factsheet"), vehicle.factsheet, 0, true});
     }
@@ -325,6 +337,10 @@ class FleetGateway final : public RunObserver {
       if (topics_.contains(message.topic)) return;
       lines_(
           fmt::format("VDA 5050: found a message on the topic {}, which is of no vehicle of this run", message.topic));
+      return;
+    }
+    if (!is_online_) {
+      if (early_.size() < kMostQueued) early_.push_back(received);
       return;
     }
     const std::string name = message.topic.substr(message.topic.rfind('/') + 1);
@@ -370,6 +386,8 @@ class FleetGateway final : public RunObserver {
   std::set<std::string> topics_;                 // of the vehicles
   std::set<std::string> watched_;                // manufacturers
   std::set<std::string> lost_;                   // robots without a connection
+  bool is_online_ = false;                       // the fleet controls have been told
+  std::vector<mqtt::Received> early_;            // before that
 
   const std::function<void(const std::string&)> lines_;
 
@@ -384,6 +402,7 @@ class FleetGateway final : public RunObserver {
   std::string problem_;
   std::optional<Clock::time_point> quiet_at_;  // when the run no longer waits for answers
   Clock::time_point quiet_by_;                 // at the latest
+  bool has_begun_ = false;                     // a tick was made
   bool ends_ = false;
 
   std::thread thread_;  // last, because it uses all other members
