@@ -204,6 +204,11 @@ class Connections::Content {
       }
     }
     if (!broker_.tls) return {};
+    for (const std::string& file : {broker_.ca_file, broker_.certificate_file, broker_.key_file}) {
+      if (!file.empty() && access(file.c_str(), R_OK) != 0) {
+        return Error{{file}, "cannot be read: " + TextOf(MOSQ_ERR_ERRNO)};
+      }
+    }
     const auto or_null = [](const std::string& file) { return file.empty() ? nullptr : file.c_str(); };
     // Without a file of authorities those of the system.
     const char* const folder = broker_.ca_file.empty() ? "/etc/ssl/certs" : nullptr;

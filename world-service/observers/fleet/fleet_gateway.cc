@@ -201,7 +201,10 @@ class FleetGateway final : public RunObserver {
     options.will = mqtt::Message{settings.TopicOf("connection"),
                                  ConnectionText(vehicle, fleet::ConnectionState::kConnectionBroken), 1, true};
     const Result<std::size_t> client = connections_.Add(options);
-    if (!client.ok()) return SetProblem("VDA 5050: " + client.error().message);
+    if (!client.ok()) {
+      const std::string& file = client.error().where.file;
+      return SetProblem("VDA 5050: " + (file.empty() ? "" : file + ": ") + client.error().message);
+    }
     vehicle.client = client.value();
     robot_of_[vehicle.client] = name;
     for (const std::string& topic : options.subscriptions) topics_.insert(topic);
