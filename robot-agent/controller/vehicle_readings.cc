@@ -6,6 +6,7 @@
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {
@@ -17,6 +18,11 @@ constexpr std::uint32_t kMostActions = 1000;
 double Rounded(double value) {
   constexpr double kUnits = 1e6;  // of m, rad and their quotients
   return std::round(value * kUnits) / kUnits + 0.0;
+}
+
+// Within half a turn: messages have no angles beyond.
+double RoundedAngle(double angle) {
+  return std::clamp(Rounded(WrapAngle(angle)), -kPi, kPi);
 }
 
 VehicleLoad LoadAt(const Surroundings& around, ObjectId object) {
@@ -53,7 +59,7 @@ fleet::Load ToLoad(const Surroundings& around, RobotId robot, const VehicleLoad&
   result.id = load.name;
   result.type = around.world().model(load.model).type;
   result.position = "load";
-  result.bounding_box_reference = {Rounded(X_RO.x), Rounded(X_RO.y), Rounded(X_RO.z + z.min), Rounded(X_RO.heading)};
+  result.bounding_box_reference = {Rounded(X_RO.x), Rounded(X_RO.y), Rounded(X_RO.z + z.min), RoundedAngle(X_RO.heading)};
   if (!box.empty()) {
     result.dimensions =
         fleet::LoadDimensions{Rounded(box.max_x - box.min_x), Rounded(box.max_y - box.min_y), Rounded(z.max - z.min)};
@@ -193,7 +199,7 @@ fleet::VehicleReadings MakeReadings(const Surroundings& around, const Observatio
   fleet::RobotPosition position;
   position.x = Rounded(pose.x);
   position.y = Rounded(pose.y);
-  position.theta = Rounded(WrapAngle(pose.heading));
+  position.theta = RoundedAngle(pose.heading);
   position.map_id = settings.map;
   position.localized = true;
   readings.position = position;
