@@ -163,7 +163,9 @@ Command VehicleDriver::Follow(const fleet::VehicleMemory& memory, const Observat
   if (drive_.type == DriveType::kOmni) {
     const Vec2 velocity = speed / distance * p_R;
     const std::optional<double> heading = HeadingAt(edge, path_.DirectionAt(along_));
-    const double turn = heading ? TurnBy(WrapAngle(*heading - X_WR.heading), turn_rate, observation.interval) : 0.0;
+    const bool may_turn = edge == nullptr || edge->rotation_allowed.value_or(true);
+    const double turn =
+        heading && may_turn ? TurnBy(WrapAngle(*heading - X_WR.heading), turn_rate, observation.interval) : 0.0;
     return {.twist = {velocity.x(), velocity.y(), turn}};
   }
   const double side = is_backward_ ? -1.0 : 1.0;

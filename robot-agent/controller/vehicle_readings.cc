@@ -59,7 +59,8 @@ fleet::Load ToLoad(const Surroundings& around, RobotId robot, const VehicleLoad&
   result.id = load.name;
   result.type = around.world().model(load.model).type;
   result.position = "load";
-  result.bounding_box_reference = {Rounded(X_RO.x), Rounded(X_RO.y), Rounded(X_RO.z + z.min), RoundedAngle(X_RO.heading)};
+  result.bounding_box_reference = {Rounded(X_RO.x), Rounded(X_RO.y), Rounded(X_RO.z + z.min),
+                                   RoundedAngle(X_RO.heading)};
   if (!box.empty()) {
     result.dimensions =
         fleet::LoadDimensions{Rounded(box.max_x - box.min_x), Rounded(box.max_y - box.min_y), Rounded(z.max - z.min)};
@@ -268,6 +269,7 @@ fleet::VehicleProfile MakeProfile(const Surroundings& around, const RobotInfo& i
   for (const char* const parameter :
        {"order.nodes.nodePosition.theta", "order.nodes.nodePosition.allowedDeviationXY",
         "order.nodes.nodePosition.allowedDeviationTheta", "order.edges.orientation", "order.edges.trajectory",
+        "order.edges.corridor", "order.edges.rotationAllowed",
         is_3 ? "order.edges.maximumSpeed" : "order.edges.maxSpeed", "order.edges.maxRotationSpeed"}) {
     sheet.features.optional_parameters.push_back({parameter, fleet::Support::kSupported, {}});
   }
