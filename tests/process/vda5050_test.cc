@@ -192,6 +192,22 @@ TEST(Vda5050Options, AreRefusedWithOneLine) {
   EXPECT_THAT(refusal({"--vda5050-wait", "5"}, 2), HasSubstr("--vda5050"));
   EXPECT_THAT(OutputOf(Troupe({"run", WorldPath("pen.world"), "--headless", "--vda5050", "mqtt://127.0.0.1"}), 2),
               HasSubstr("the world has no vehicle"));
+  // Settings of vehicles.
+  const TemporaryFolder folder;
+  const auto refusal_of = [&](const std::string& first, const std::string& second) {
+    const std::string world = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/fleet_hall.world";
+    const std::string text = R"({"world": ")" + world + R"(", "robots": [
+      {"name": "cart_1", "controller": {"name": "vda5050", "parameters": )" +
+                             first + R"(}},
+      {"name": "cart_2", "controller": {"name": "vda5050", "parameters": )" +
+                             second + "}}]}";
+    return OutputOf(Troupe({"run", folder.Write("run.json", text), "--headless", "--vda5050", "mqtt://127.0.0.1:1"}),
+                    2);
+  };
+  EXPECT_THAT(refusal_of(R"({"version": "4.0"})", "{}"), HasSubstr("expected 2.0, 2.1 or 3.0"));
+  EXPECT_THAT(refusal_of(R"({"serial_number": "a/b"})", "{}"), HasSubstr("the serial_number 'a/b'"));
+  EXPECT_THAT(refusal_of(R"({"epoch": "noon"})", "{}"), HasSubstr("the epoch 'noon'"));
+  EXPECT_THAT(refusal_of(R"({"serial_number": "1"})", R"({"serial_number": "1"})"), HasSubstr("have the same topics"));
 }
 
 }  // namespace
