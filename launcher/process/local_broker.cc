@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -42,6 +43,14 @@ std::optional<int> FreePort(int wanted) {
     return std::nullopt;
   }
   return ntohs(address.sin_port);
+}
+
+// The broker inherits it: each of its clients is a descriptor.
+void AllowManyClients() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 bool Listens(int port) {
@@ -84,6 +93,7 @@ Result<std::unique_ptr<LocalBroker>> LocalBroker::Start(const std::string& folde
   const std::string text = fmt::format(
       "listener {} 127.0.0.1\nallow_anonymous true\npersistence false\nlog_dest none\nset_tcp_nodelay true\n", *port);
   if (Status status = WriteWholeFile(settings, text); !status.ok()) return status.error();
+  AllowManyClients();
   const FileDescriptor nowhere(open("/dev/null", O_WRONLY | O_CLOEXEC));
   Result<Process> process = Process::Start({*program, "-c", settings}, nowhere.get());
   if (!process.ok()) return process.error();

@@ -4,6 +4,7 @@
 #include <mosquitto.h>
 #include <netdb.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -29,9 +30,16 @@ constexpr double kReach = 2.0;          // s, for the broker's host to answer
 constexpr double kGreeting = 10.0;      // s, for the broker to accept a client
 constexpr int kPackets = 64;            // that are read or written at once
 
+// A connection for each vehicle is a descriptor: the usual soft limit of 1024 is too few.
 void UseLibrary() {
   static std::once_flag once;
-  std::call_once(once, [] { mosquitto_lib_init(); });
+  std::call_once(once, [] {
+    mosquitto_lib_init();
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  });
 }
 
 Clock::time_point After(double seconds) {
