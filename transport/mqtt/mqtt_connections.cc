@@ -27,7 +27,7 @@ constexpr int kKeepAlive = 15;          // s
 constexpr double kFirstRetry = 1.0;     // s
 constexpr double kLongestRetry = 30.0;  // s
 constexpr double kReach = 2.0;          // s, for the broker's host to answer
-constexpr double kGreeting = 10.0;      // s, for the broker to accept a client
+constexpr double kGreeting = 30.0;      // s, for the broker to accept a client, of perhaps a thousand at once
 constexpr int kPackets = 64;            // that are read or written at once
 
 // A connection for each vehicle is a descriptor: the usual soft limit of 1024 is too few.

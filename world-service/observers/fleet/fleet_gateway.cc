@@ -30,7 +30,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr char kController[] = "vda5050";
-constexpr double kFirstConnections = 10.0;      // s, of wall time as all here: for the broker to accept all vehicles
+constexpr double kFirstSeconds = 10.0;          // of wall time, as all here: for the broker to accept the vehicles,
+constexpr double kFirstSecondsOfVehicle = 0.1;  // and for each of them
 constexpr double kClosing = 2.0;                // s
 constexpr double kIdle = 0.5;                   // s
 constexpr std::size_t kMostQueued = 256;        // messages to a vehicle that wait for ticks
@@ -76,14 +77,15 @@ class FleetGateway final : public RunObserver {
     if (!problem_.empty()) return Failure(problem_);
     thread_ = std::thread([this] { Run(); });
     std::unique_lock lock(mutex_);
-    const bool are_connected = changed_.wait_until(
-        lock, In(kFirstConnections), [this] { return !problem_.empty() || connected_ >= vehicles_.size(); });
+    const double seconds = kFirstSeconds + kFirstSecondsOfVehicle * static_cast<double>(vehicles_.size());
+    const bool are_connected =
+        changed_.wait_until(lock, In(seconds), [this] { return !problem_.empty() || connected_ >= vehicles_.size(); });
     Status status;
     if (!problem_.empty()) {
       status = Failure(problem_);
     } else if (!are_connected) {
       status = Failure(fmt::format("VDA 5050: the broker {} has accepted {} of {} vehicles in {:g} s{}",
-                                   connections_.broker().Url(), connected_, vehicles_.size(), kFirstConnections,
+                                   connections_.broker().Url(), connected_, vehicles_.size(), seconds,
                                    last_reason_.empty() ? "" : ": " + last_reason_));
     }
     lock.unlock();
