@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <optional>
 #include <string>
@@ -44,10 +45,15 @@ fleet::Action ActionOf(const std::string& type, const std::string& id,
   return action;
 }
 
+std::string WorldsPath(const std::string& name) {
+  return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/" + name;
+}
+
 class FleetOfHall {
  public:
-  explicit FleetOfHall(const std::string& robot = "cart_1", fleet::Version version = fleet::Version::k2_1)
-      : version_(version), robot_name_(robot), simulation_(Load()) {
+  explicit FleetOfHall(const std::string& robot = "cart_1", fleet::Version version = fleet::Version::k2_1,
+                       const std::string& file = WorldsPath("scenarios/vda5050.json"))
+      : version_(version), robot_name_(robot), simulation_(Load(file)) {
     robot_ = *simulation_.FindRobot(robot);
   }
 
@@ -161,9 +167,8 @@ class FleetOfHall {
   }
 
  private:
-  static Simulation Load() {
-    Result<Simulation> loaded =
-        Simulation::Load(std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/vda5050.json");
+  static Simulation Load(const std::string& file) {
+    Result<Simulation> loaded = Simulation::Load(file);
     if (!loaded.ok()) throw std::runtime_error(loaded.error().ToString());
     return std::move(loaded).value();
   }
@@ -275,6 +280,29 @@ TEST(Vda5050, CarriesAPalletFromRackToRack) {
     EXPECT_NEAR(fleet.simulation().FindPose("pallet_1").value().z, 0.25, 1e-6);  // on the rack
     EXPECT_THAT(fleet.verdicts(), IsEmpty());
   }
+}
+
+TEST(Vda5050, AGripperTakesWhatIsBetweenItsFingers) {
+  const std::string file = testing::TempDir() + "vda5050_test.world";
+  std::ofstream(file) << "include \"" << WorldsPath("include/grippers.inc") << R"("
+    stacker( name "s1" pose [0 0 0 0] ctrl "vda5050 map=hall" )
+    cube( name "cube" pose [1.4 0 0 0] ))";
+  FleetOfHall fleet("s1", fleet::Version::k2_1, file);
+  fleet.Step();
+  fleet.Send(
+      fleet.OrderOf("o1", {{"a", 0.0, 0.0, {ActionOf("pick", "p0")}}, {"b", 1.0, 0.0, {ActionOf("pick", "p1")}}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("p0"), ActionStatus::kFailed);  // nothing is there
+  EXPECT_TRUE(fleet.HasError("loadNotFound"));
+  EXPECT_EQ(fleet.StatusOf("p1"), ActionStatus::kFinished);
+  ASSERT_EQ(fleet.state().loads->size(), 1U);
+  EXPECT_EQ(fleet.state().loads->front().id, "cube");
+  EXPECT_GT(fleet.simulation().FindPose("cube").value().z, 0.5);
+  fleet.Send(fleet.OrderOf("o2", {{"b", 1.0, 0.0}, {"c", 0.5, 0.0, {ActionOf("drop", "d1")}}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("d1"), ActionStatus::kFinished);
+  EXPECT_THAT(*fleet.state().loads, IsEmpty());
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
 }
 
 TEST(Vda5050, FailsWithoutALoadOrRoomForIt) {
