@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/geometry/limits.h"
 #include "common/spatial/scene.h"
 #include "fleet/vehicle.h"
 #include "fleet/vehicle_settings.h"
@@ -113,10 +114,29 @@ class Vda5050 final : public Controller, public RobotWatcher {
     faults.push_back({"/version", "found '" + header.version + "', expected " + fleet::VersionText(settings_.version)});
   }
 
+  // A place beyond all worlds is none.
+  static void CheckPlaces(const fleet::Order& order, std::vector<fleet::MessageFault>& faults) {
+    const auto check = [&](double x, double y, const std::string& pointer) {
+      if (std::fabs(x) <= kMaxMagnitude && std::fabs(y) <= kMaxMagnitude) return;
+      if (faults.empty()) faults.push_back({pointer, "found a place beyond 1000 km, expected one nearer"});
+    };
+    for (std::size_t i = 0; i < order.nodes.size(); ++i) {
+      const std::optional<fleet::NodePosition>& position = order.nodes[i].position;
+      if (position) check(position->x, position->y, fmt::format("/nodes/{}/nodePosition", i));
+    }
+    for (std::size_t i = 0; i < order.edges.size(); ++i) {
+      if (!order.edges[i].trajectory) continue;
+      for (const fleet::ControlPoint& point : order.edges[i].trajectory->control_points) {
+        check(point.x, point.y, fmt::format("/edges/{}/trajectory/controlPoints", i));
+      }
+    }
+  }
+
   void Receive(const FleetMessage& message) {
     if (message.topic == FleetTopic::kOrder) {
       fleet::Decoded<fleet::Order> decoded = fleet::Decode<fleet::Order>(message.text, settings_.version);
       if (decoded.ok()) CheckVersion(decoded.message.header, decoded.faults);
+      if (decoded.ok()) CheckPlaces(decoded.message, decoded.faults);
       const fleet::OrderReceived received{std::move(decoded.message), std::move(decoded.faults)};
       const fleet::OrderRow* const row = Apply(received).row;
       if (row == nullptr || row->verdict == fleet::OrderVerdict::kDiscard) return;

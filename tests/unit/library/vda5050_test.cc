@@ -424,6 +424,12 @@ TEST(Vda5050, RejectsWhatItCannotRead) {
     fleet.Step();
   }
   EXPECT_THAT(fleet.simulation().failures(), IsEmpty());
+  // Beyond all worlds.
+  fleet::Order far = fleet.OrderOf("o0", {kToTheEast[0], {"far", 1e300, 0.0}});
+  far.header = {0, "2026-01-01T00:00:00.00Z", "2.1.0", "Troupe", "cart_1"};
+  fleet.SendText(FleetTopic::kOrder, fleet::Encode(far, fleet::Version::k2_1));
+  fleet.Step();
+  EXPECT_EQ(fleet.state().order_id, "");
   // Of another major version.
   fleet::Order order = fleet.OrderOf("o1", kToTheEast);
   order.header = {0, "2026-01-01T00:00:00.00Z", "1.1.0", "Troupe", "cart_1"};
