@@ -41,6 +41,7 @@ EXPECTED = (
     (r"sanitizers need more addresses", lambda: True),
     (r"the file system of .* cannot free parts of a file", lambda: True),
     (r"no /dev/full", is_missing("/dev/full")),
+    (r"mosquitto is not installed", is_missing("/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto")),
     (r"no slurmctld", is_missing("/usr/sbin/slurmctld")),
     (r"no buildah", is_missing("/usr/bin/buildah")),
     (r"no module yaml", is_missing("/usr/lib/python3/dist-packages/yaml")),

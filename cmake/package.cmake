@@ -18,7 +18,7 @@ if(CMAKE_CROSSCOMPILING)
 endif()
 # The headers need Eigen's, and pictures a font.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), fonts-dejavu-core")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, openssh-client")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, mosquitto, openssh-client")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 # All that has no component is the package troupe.
 set(CPACK_DEB_COMPONENT_INSTALL ON)

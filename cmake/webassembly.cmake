@@ -66,7 +66,7 @@ endfunction()
 
 add_library(troupe_dds_binding INTERFACE)  # its headers alone: the types are read without Cyclone
 set(folders
-  idl common worldfile transport/protocol transport/dds/convert world-service/core
+  idl common worldfile fleet transport/protocol transport/dds/convert world-service/core
   robot-agent/drive robot-agent/navigation robot-agent/controller robot-agent/gripper robot-agent/robot
   testing/expectations library)
 foreach(folder IN LISTS folders)

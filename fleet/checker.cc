@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/json_tree.h"
 #include "fleet/checker_parts.h"
 #include "fleet/codec.h"
 
@@ -26,9 +27,14 @@ void JudgeHeader(MessageJudge& judge, const ObservedMessage& observed, const Hea
     const std::int64_t time = ParseTimestamp(header.timestamp).value_or(sender.timestamp);
     if (time < sender.timestamp) {
       judge.Break(Rule::kTimestampGrows, "the timestamp " + header.timestamp,
-                  "at least " + FormatTimestamp(sender.timestamp, judge.options.version));
+                  "at least " + FormatTimestamp(sender.timestamp, judge.version));
     }
     sender.timestamp = std::max(sender.timestamp, time);
+  }
+  const std::optional<Version> version = FindVersion(header.version);
+  if (version && observed.major_version != 0 && MajorOf(*version) != observed.major_version) {
+    judge.Break(Rule::kVersionOfTopic,
+                "version '" + header.version + "' in a topic of v" + std::to_string(observed.major_version));
   }
   const bool has_sender = !header.manufacturer.empty() || !header.serial_number.empty();
   if (has_sender && (header.manufacturer != observed.manufacturer || header.serial_number != observed.serial_number)) {
@@ -37,10 +43,27 @@ void JudgeHeader(MessageJudge& judge, const ObservedMessage& observed, const Hea
   }
 }
 
+constexpr std::int64_t kSweepMilliseconds = 100;  // between looks at all vehicles
+
+// What the vehicle states when it comes, or else its first message, or its topic.
+void ChooseVersion(VehicleRecord& record, const ObservedMessage& observed, const CheckerOptions& options) {
+  if (options.version) {
+    record.version = options.version;
+    return;
+  }
+  if (record.version && observed.topic != Topic::kConnection && observed.topic != Topic::kFactsheet) return;
+  const DecodeLimits limits;
+  const Result<JsonTree> tree = JsonTree::Parse(observed.payload, "", {limits.bytes, limits.values});
+  const JsonNode* const version = tree.ok() ? tree.value().root().Find("version") : nullptr;
+  const std::optional<Version> stated = version != nullptr ? FindVersion(version->text) : std::nullopt;
+  if (stated) record.version = stated;
+  if (!record.version) record.version = observed.major_version == 3 ? Version::k3_0 : Version::k2_1;
+}
+
 // The message, if it has the form of its topic.
 template <typename Message>
 std::optional<Message> Read(MessageJudge& judge, const ObservedMessage& observed) {
-  Decoded<Message> decoded = Decode<Message>(observed.payload, judge.options.version);
+  Decoded<Message> decoded = Decode<Message>(observed.payload, judge.version);
   if (!decoded.ok()) {
     judge.Break(Rule::kMessageForm, Listed(decoded.faults));
     return std::nullopt;
@@ -101,20 +124,46 @@ std::string Verdict::ToString() const {
 
 std::vector<Verdict> CheckMessage(CheckerMemory& memory, const ObservedMessage& message,
                                   const CheckerOptions& options) {
-  std::vector<Verdict> verdicts = CheckTime(memory, message.milliseconds, options);
+  std::vector<Verdict> verdicts;
+  const std::uint64_t number = memory.messages++;
   const std::string vehicle = message.manufacturer + "/" + message.serial_number;
-  MessageJudge judge{memory.vehicles[vehicle], options, vehicle, memory.messages++, message.milliseconds, verdicts};
+  if (memory.vehicles.size() >= kMostVehicles && !memory.vehicles.contains(vehicle)) {
+    ++memory.left_out;
+    return verdicts;
+  }
+  VehicleRecord& record = memory.vehicles[vehicle];
+  ++record.messages;
+  ChooseVersion(record, message, options);
+  MessageJudge judge{record, options, *record.version, vehicle, number, message.milliseconds, verdicts};
+  JudgeTime(judge);
   Judge(judge, message);
+  if (message.milliseconds - memory.swept_milliseconds < kSweepMilliseconds) return verdicts;
+  const std::vector<Verdict> others = CheckTime(memory, message.milliseconds, options);
+  verdicts.insert(verdicts.end(), others.begin(), others.end());
   return verdicts;
 }
 
 std::vector<Verdict> CheckTime(CheckerMemory& memory, std::int64_t milliseconds, const CheckerOptions& options) {
-  std::vector<Verdict> verdicts;
+  memory.swept_milliseconds = milliseconds;
+  std::vector<Verdict> all;
   for (auto& [vehicle, record] : memory.vehicles) {
-    MessageJudge judge{record, options, vehicle, memory.messages, milliseconds, verdicts};
+    std::vector<Verdict> verdicts;
+    MessageJudge judge{record, options, *record.version, vehicle, memory.messages, milliseconds, verdicts};
     JudgeTime(judge);
+    all.insert(all.end(), verdicts.begin(), verdicts.end());
   }
-  return verdicts;
+  return all;
+}
+
+void MissMessages(CheckerMemory& memory) {
+  for (auto& [name, record] : memory.vehicles) {
+    VehicleRecord kept;
+    kept.messages = record.messages;
+    kept.version = record.version;
+    kept.factsheet = std::move(record.factsheet);
+    for (std::size_t i = 0; i < kept.senders.size(); ++i) kept.senders[i].timestamp = record.senders[i].timestamp;
+    record = std::move(kept);
+  }
 }
 
 }  // namespace troupe::fleet

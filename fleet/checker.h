@@ -2,11 +2,13 @@
 // a list of verdicts: the rule that a message breaks, the finding and the expectation.
 //
 // It knows what it has seen. A rule that needs more (the first states of a vehicle that was there before, a factsheet
-// that was not sent) says nothing. The memory is a plain value.
+// that was not sent) says nothing. The memory is a plain value. Messages may be hostile: what is kept for a vehicle,
+// the number of vehicles and the verdicts about one message are bounded.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,23 +18,9 @@
 #include "fleet/order_message.h"
 #include "fleet/rules.h"
 #include "fleet/state_message.h"
+#include "fleet/topic.h"
 
 namespace troupe::fleet {
-
-enum class Topic : std::uint8_t {
-  kOrder,
-  kInstantActions,
-  kState,
-  kConnection,
-  kFactsheet,
-  kVisualization,
-  kZoneSet,
-  kResponses
-};
-constexpr auto NamesOf(Topic) {
-  return std::array{"order",     "instantActions", "state",   "connection",
-                    "factsheet", "visualization",  "zoneSet", "responses"};
-}
 
 struct ObservedMessage {
   std::string manufacturer;  // of the topic
@@ -40,6 +28,7 @@ struct ObservedMessage {
   Topic topic = Topic::kState;
   std::int64_t milliseconds = 0;  // when it was seen
   std::string payload;
+  int major_version = 0;  // of the topic; 0: not known
 };
 
 struct Verdict {
@@ -55,8 +44,11 @@ struct Verdict {
   bool operator==(const Verdict&) const = default;
 };
 
+inline constexpr std::size_t kMostVerdicts = 16;      // of one rule about one message
+inline constexpr std::size_t kMostVehicles = 10'000;  // messages of further ones are not judged
+
 struct CheckerOptions {
-  Version version = Version::k2_1;
+  std::optional<Version> version;               // of all messages; none: of each vehicle the one that it states
   std::int64_t answer_milliseconds = 5'000;     // in which a vehicle answers orders and instant actions
   std::int64_t tolerance_milliseconds = 1'000;  // of the longest interval of states
 };
@@ -97,6 +89,13 @@ struct VehicleRecord {
 
     bool operator==(const SentOrder&) const = default;
   };
+  // Before 3.0 an id of an instant action that an order uses, too, tells nothing: both are in one list of states.
+  struct ActionUse {
+    std::string place;  // "instant action TYPE", or the order
+    bool is_ambiguous = false;
+
+    bool operator==(const ActionUse&) const = default;
+  };
   struct SentInstantAction {
     Action action;
     std::uint64_t message = 0;
@@ -106,6 +105,8 @@ struct VehicleRecord {
     bool operator==(const SentInstantAction&) const = default;
   };
 
+  std::uint64_t messages = 0;
+  std::optional<Version> version;
   std::array<Sender, 8> senders;  // by topics
   std::optional<ConnectionState> connection;
   std::optional<Factsheet> factsheet;
@@ -115,8 +116,8 @@ struct VehicleRecord {
   bool is_overdue = false;                          // no state for too long, which was said
   std::map<std::string, std::uint32_t> update_ids;  // the largest that was sent for each order
   std::vector<SentOrder> sent;                      // not yet accepted by a state, the newest last
-  std::vector<SentInstantAction> instant_actions;
-  std::map<std::string, std::string> action_places;  // of each id: "instant action TYPE", or its order
+  std::deque<SentInstantAction> instant_actions;
+  std::map<std::string, ActionUse> action_uses;  // the first of each id
   KnownRoute route;
   std::string cancelled_order_id;
 
@@ -125,6 +126,8 @@ struct VehicleRecord {
 
 struct CheckerMemory {
   std::uint64_t messages = 0;
+  std::uint64_t left_out = 0;                     // messages of vehicles beyond kMostVehicles
+  std::int64_t swept_milliseconds = 0;            // when all vehicles were looked at
   std::map<std::string, VehicleRecord> vehicles;  // by "manufacturer/serialNumber"
 
   bool operator==(const CheckerMemory&) const = default;
@@ -132,6 +135,9 @@ struct CheckerMemory {
 
 // The verdicts about a message, and about what should have come before it.
 std::vector<Verdict> CheckMessage(CheckerMemory& memory, const ObservedMessage& message, const CheckerOptions& options);
+
+// Messages may have been missed: only what vehicles are and may do is still known.
+void MissMessages(CheckerMemory& memory);
 
 // The verdicts about what should have come by now, at the end of a sequence and while there are no messages.
 std::vector<Verdict> CheckTime(CheckerMemory& memory, std::int64_t milliseconds, const CheckerOptions& options);

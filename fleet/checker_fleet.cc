@@ -28,14 +28,15 @@ std::string NameOfNode(const Node& node) {
 
 // An id names one action: of one order, or an instant action.
 void JudgeActionId(MessageJudge& judge, const Action& action, const std::string& place) {
-  std::map<std::string, std::string>& places = judge.record.action_places;
-  if (places.size() >= kMostActionIds) places.clear();
-  const auto [known, is_new] = places.emplace(action.id, place);
-  if (!is_new && known->second != place) {
-    judge.Break(Rule::kActionIdsUnique,
-                "the actionId '" + action.id + "' of " + place + ", which was used by " + known->second,
-                "an id of its own");
-  }
+  std::map<std::string, VehicleRecord::ActionUse>& uses = judge.record.action_uses;
+  if (uses.size() >= kMostActionIds) uses.clear();
+  const auto [known, is_new] = uses.try_emplace(action.id, VehicleRecord::ActionUse{place});
+  VehicleRecord::ActionUse& use = known->second;
+  if (is_new || use.place == place) return;
+  const bool is_in_both = use.place.starts_with(kInstantPlace) != place.starts_with(kInstantPlace);
+  if (is_in_both && !judge.is_3()) use.is_ambiguous = true;
+  judge.Break(Rule::kActionIdsUnique,
+              "the actionId '" + action.id + "' of " + place + ", which was used by " + use.place, "an id of its own");
 }
 
 void JudgeUpdate(MessageJudge& judge, const Order& order) {
@@ -100,12 +101,11 @@ std::string ShortReferences(const std::vector<Reference>& references) {
 
 void JudgeOrder(MessageJudge& judge, const Order& order) {
   VehicleRecord& record = judge.record;
-  if (const std::vector<MessageFault> faults = CheckOrder(order, judge.options.version); !faults.empty()) {
+  if (const std::vector<MessageFault> faults = CheckOrder(order, judge.version); !faults.empty()) {
     return judge.Break(Rule::kOrderForm, faults.front().ToString());
   }
   if (record.state && !IsModeForOrders(record.state->operating_mode)) {
-    judge.Break(Rule::kOrdersInModes,
-                "an order in the mode " + TextOf(record.state->operating_mode, judge.options.version));
+    judge.Break(Rule::kOrdersInModes, "an order in the mode " + TextOf(record.state->operating_mode, judge.version));
   }
   if (record.factsheet) {
     const SupportFaults faults = CheckSupport(order, *record.factsheet);
@@ -154,14 +154,13 @@ void JudgeInstantActions(MessageJudge& judge, const InstantActions& message) {
       const OperatingMode mode = record.state->operating_mode;
       const bool is_allowed = mode == OperatingMode::kIntervened ? action.type == "cancelOrder" : IsModeForOrders(mode);
       if (!is_allowed) {
-        judge.Break(Rule::kInstantActionsInModes,
-                    "'" + action.type + "' in the mode " + TextOf(mode, judge.options.version));
+        judge.Break(Rule::kInstantActionsInModes, "'" + action.type + "' in the mode " + TextOf(mode, judge.version));
       }
     }
     const bool is_known = std::any_of(record.instant_actions.begin(), record.instant_actions.end(),
                                       [&](const auto& sent) { return sent.action.id == action.id; });
     if (is_known) continue;
-    if (record.instant_actions.size() >= 16 * kMostSent) record.instant_actions.erase(record.instant_actions.begin());
+    if (record.instant_actions.size() >= 16 * kMostSent) record.instant_actions.pop_front();
     record.instant_actions.push_back({action, judge.message, judge.milliseconds, false});
   }
 }

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <map>
+#include <set>
 #include <string_view>
 
 #include "fleet/checker_parts.h"
@@ -31,15 +33,30 @@ std::string PlaceText(std::string_view id, std::uint32_t sequence_id) {
   return "'" + std::string(id) + "' (" + std::to_string(sequence_id) + ")";
 }
 
-const ActionState* FindState(const std::vector<ActionState>& states, std::string_view id) {
-  const auto found =
-      std::find_if(states.begin(), states.end(), [&](const ActionState& state) { return state.action_id == id; });
-  return found != states.end() ? &*found : nullptr;
-}
-// Of an instant action: before 3.0 it is among the others.
-const ActionState* FindInstant(const State& state, std::string_view id, Version version) {
-  return FindState(IsBefore3(version) ? state.action_states : state.instant_action_states, id);
-}
+// The action states of a state by their ids; of several with one id the first.
+class ActionIndex {
+ public:
+  explicit ActionIndex(const std::vector<ActionState>& states) {
+    for (const ActionState& state : states) states_.try_emplace(state.action_id, &state);
+  }
+  const ActionState* Find(std::string_view id) const {
+    const auto found = states_.find(id);
+    return found != states_.end() ? found->second : nullptr;
+  }
+
+ private:
+  std::map<std::string_view, const ActionState*> states_;
+};
+struct StateIndex {
+  explicit StateIndex(const State& state) : actions(state.action_states), instant(state.instant_action_states) {}
+  // Of an instant action: before 3.0 it is among the others.
+  const ActionState* FindInstant(std::string_view id, Version version) const {
+    return (IsBefore3(version) ? actions : instant).Find(id);
+  }
+
+  ActionIndex actions;
+  ActionIndex instant;
+};
 
 // Orders that are accepted.
 
@@ -94,10 +111,9 @@ void Accept(VehicleRecord& record, std::size_t i) {
       record.route.is_known = false;
       return;
     }
-  } else if (order.nodes.front().sequence_id != 0 &&
-             !(record.route.is_known && record.route.order_id == order.order_id) && order.order_update_id != 0 &&
+  } else if (!(record.route.is_known && record.route.order_id == order.order_id) && order.order_update_id != 0 &&
              record.state && record.state->order_id == order.order_id) {
-    return;  // an update of an order that is older than the checker
+    return;  // an update of an order that is older than the checker, or whose route is not known any more
   }
   ExtendRoute(record.route, order);
 }
@@ -163,13 +179,11 @@ void JudgeSequence(MessageJudge& judge, const State& state) {
 
 void JudgeMaps(MessageJudge& judge, const State& state) {
   if (!state.maps) return;
-  std::vector<std::string_view> enabled;
+  std::set<std::string_view> enabled;
   for (const MapState& map : *state.maps) {
     if (map.status != StoredStatus::kEnabled) continue;
-    if (std::find(enabled.begin(), enabled.end(), map.map_id) != enabled.end()) {
-      judge.Break(Rule::kOneEnabledMap, "two enabled versions of '" + map.map_id + "'");
-    }
-    enabled.push_back(map.map_id);
+    const bool is_first = enabled.insert(map.map_id).second;
+    if (!is_first) judge.Break(Rule::kOneEnabledMap, "two enabled versions of '" + map.map_id + "'");
   }
 }
 
@@ -179,7 +193,7 @@ void JudgeMode(MessageJudge& judge, const State& state) {
                       (judge.is_3() && (mode == OperatingMode::kService || mode == OperatingMode::kTeachIn));
   if (clears && (!state.node_states.empty() || !state.edge_states.empty())) {
     judge.Break(Rule::kModeClearsOrder,
-                std::to_string(state.node_states.size()) + " nodes in the mode " + TextOf(mode, judge.options.version));
+                std::to_string(state.node_states.size()) + " nodes in the mode " + TextOf(mode, judge.version));
   }
   if (mode != OperatingMode::kAutomatic && mode != OperatingMode::kSemiautomatic &&
       mode != OperatingMode::kIntervened) {
@@ -209,10 +223,11 @@ void JudgeRoute(MessageJudge& judge, const State& state) {
         "the unreleased node " + PlaceText(state.last_node_id, state.last_node_sequence_id) + " as the last one");
   }
   if (record.cancelled_order_id == state.order_id) return;
+  std::set<std::uint32_t> ahead;
+  for (const NodeState& node : state.node_states) ahead.insert(node.sequence_id);
   for (auto node = std::next(last); node != route.nodes.end(); ++node) {
-    const bool is_there = std::any_of(state.node_states.begin(), state.node_states.end(),
-                                      [&](const NodeState& each) { return each.sequence_id == node->first; });
-    if (!is_there) judge.Break(Rule::kHorizonComplete, "no node " + PlaceText(node->second.id, node->first));
+    if (ahead.contains(node->first)) continue;
+    judge.Break(Rule::kHorizonComplete, "no node " + PlaceText(node->second.id, node->first));
   }
 }
 
@@ -251,13 +266,13 @@ void JudgeTraversal(MessageJudge& judge, const State& state, bool has_new_order)
 
 // Actions.
 
-void JudgeActionStates(MessageJudge& judge, const State& state, bool has_new_order) {
+void JudgeActionStates(MessageJudge& judge, const State& state, const StateIndex& index, bool has_new_order) {
   const VehicleRecord& record = judge.record;
   const KnownRoute& route = record.route;
   if (route.is_known && route.order_id == state.order_id && route.order_update_id == state.order_update_id) {
     for (const auto* const actions : {&route.actions, &route.horizon_actions}) {
       for (const auto& [id, action] : *actions) {
-        if (FindState(state.action_states, id) == nullptr) {
+        if (index.actions.Find(id) == nullptr) {
           judge.Break(Rule::kActionStatesComplete, "no state of the action '" + id + "'");
         }
       }
@@ -267,8 +282,10 @@ void JudgeActionStates(MessageJudge& judge, const State& state, bool has_new_ord
   const State& before = *record.state;
   const bool is_same_order = before.order_id == state.order_id;
   for (const auto member : {&State::action_states, &State::instant_action_states}) {
+    const ActionIndex& states = member == &State::action_states ? index.actions : index.instant;
     for (const ActionState& was : before.*member) {
-      const ActionState* const now = FindState(state.*member, was.action_id);
+      if (IsAmbiguous(was.action_id, record)) continue;
+      const ActionState* const now = states.Find(was.action_id);
       if (now == nullptr) {
         // Finished instant actions may be removed: in 3.0 when asked for, before when an order is accepted.
         const bool is_instant = member == &State::instant_action_states || IsInstant(was.action_id, record);
@@ -298,7 +315,8 @@ void JudgeBlocking(MessageJudge& judge, const State& state) {
   std::vector<const Action*> active;
   for (const ActionState& each : state.action_states) {
     const auto known = route.actions.find(each.action_id);
-    if (known != route.actions.end() && IsActive(each.status)) active.push_back(&known->second);
+    const bool is_active = known != route.actions.end() && IsActive(each.status);
+    if (is_active && !IsAmbiguous(each.action_id, judge.record)) active.push_back(&known->second);
   }
   const bool is_automatic = IsAutomatic(state.operating_mode);
   for (const Action* const action : active) {
@@ -323,9 +341,7 @@ bool IsExplained(const State& state, const std::string& action_id) {
 }
 
 void JudgeCancel(MessageJudge& judge, const State& state, const Action& action) {
-  const bool is_unfinished = std::any_of(
-      state.action_states.begin(), state.action_states.end(),
-      [&](const ActionState& each) { return !IsFinal(each.status) && !IsInstant(each.action_id, judge.record); });
+  const bool is_unfinished = HasUnfinishedActions(state, judge.record);
   // A person who has taken the vehicle over moves it.
   const bool drives = state.driving && IsAutomatic(state.operating_mode);
   if (!state.node_states.empty() || !state.edge_states.empty() || is_unfinished || drives) {
@@ -335,18 +351,23 @@ void JudgeCancel(MessageJudge& judge, const State& state, const Action& action) 
   }
 }
 
-void JudgeInstantEnds(MessageJudge& judge, const State& state, bool has_new_order) {
+void JudgeInstantEnds(MessageJudge& judge, const State& state, const StateIndex& index, bool has_new_order) {
   VehicleRecord& record = judge.record;
-  const Version version = judge.options.version;
+  const Version version = judge.version;
+  const std::optional<StateIndex> index_before = record.state ? std::optional<StateIndex>(*record.state) : std::nullopt;
   const Action* newest_pause = nullptr;
   for (const VehicleRecord::SentInstantAction& sent : record.instant_actions) {
     if (sent.action.type == "startPause" || sent.action.type == "stopPause") newest_pause = &sent.action;
   }
   for (VehicleRecord::SentInstantAction& sent : record.instant_actions) {
-    const ActionState* const now = FindInstant(state, sent.action.id, version);
+    const ActionState* const now = index.FindInstant(sent.action.id, version);
     if (now == nullptr) continue;
     sent.is_reported = true;
-    const ActionState* const before = record.state ? FindInstant(*record.state, sent.action.id, version) : nullptr;
+    if (IsAmbiguous(sent.action.id, record)) {
+      if (sent.action.type == "cancelOrder") record.route.is_known = false;
+      continue;
+    }
+    const ActionState* const before = index_before ? index_before->FindInstant(sent.action.id, version) : nullptr;
     const bool is_new = before == nullptr || before->status != now->status;
     const std::string& type = sent.action.type;
     if (type == "cancelOrder" && !IsFinal(now->status)) record.cancelled_order_id = state.order_id;
@@ -370,7 +391,7 @@ void JudgeInstantEnds(MessageJudge& judge, const State& state, bool has_new_orde
 // Rejections.
 
 void JudgeRejections(MessageJudge& judge, const State& state, bool has_new_order) {
-  const Version version = judge.options.version;
+  const Version version = judge.version;
   for (VehicleRecord::SentOrder& sent : judge.record.sent) {
     const auto names_order = [&](const VehicleError& error) {
       if (!IsRejection(error.type, version) && error.type != "MOBILE_ROBOT_NOT_AVAILABLE") return false;
@@ -382,11 +403,10 @@ void JudgeRejections(MessageJudge& judge, const State& state, bool has_new_order
     sent.is_answered = sent.is_answered || std::any_of(state.errors.begin(), state.errors.end(), names_order);
   }
   if (!judge.record.state || has_new_order) return;
+  std::set<std::string_view> types;
+  for (const VehicleError& error : state.errors) types.insert(error.type);
   for (const VehicleError& was : judge.record.state->errors) {
-    if (!IsRejection(was.type, version)) continue;
-    const bool is_there = std::any_of(state.errors.begin(), state.errors.end(),
-                                      [&](const VehicleError& error) { return error.type == was.type; });
-    if (!is_there)
+    if (IsRejection(was.type, version) && !types.contains(was.type))
       judge.Break(Rule::kRejectionKept, "no error '" + was.type + "' any more, and no order accepted since");
   }
 }
@@ -394,31 +414,40 @@ void JudgeRejections(MessageJudge& judge, const State& state, bool has_new_order
 }  // namespace
 
 bool IsInstant(const std::string& action_id, const VehicleRecord& record) {
-  const auto found = record.action_places.find(action_id);
-  return found != record.action_places.end() && found->second.starts_with(kInstantPlace);
+  const auto found = record.action_uses.find(action_id);
+  return found != record.action_uses.end() && found->second.place.starts_with(kInstantPlace);
+}
+
+bool IsAmbiguous(const std::string& action_id, const VehicleRecord& record) {
+  const auto found = record.action_uses.find(action_id);
+  return found != record.action_uses.end() && found->second.is_ambiguous;
+}
+
+bool HasUnfinishedActions(const State& state, const VehicleRecord& record) {
+  return std::any_of(state.action_states.begin(), state.action_states.end(), [&](const ActionState& each) {
+    return !IsFinal(each.status) && !IsInstant(each.action_id, record) && !IsAmbiguous(each.action_id, record);
+  });
 }
 
 bool IsBusy(const State& state, const VehicleRecord& record) {
-  return !state.node_states.empty() || !state.edge_states.empty() ||
-         std::any_of(state.action_states.begin(), state.action_states.end(), [&](const ActionState& each) {
-           return !IsFinal(each.status) && !IsInstant(each.action_id, record);
-         });
+  return !state.node_states.empty() || !state.edge_states.empty() || HasUnfinishedActions(state, record);
 }
 
 void JudgeState(MessageJudge& judge, const State& state) {
   VehicleRecord& record = judge.record;
   if (record.connection && *record.connection != ConnectionState::kOnline) {
     judge.Break(Rule::kOnlineBeforeState,
-                "a state while the connection is " + TextOf(*record.connection, judge.options.version));
+                "a state while the connection is " + TextOf(*record.connection, judge.version));
   }
+  const StateIndex index(state);
   const bool has_new_order = JudgeAcceptance(judge, state);
   JudgeSequence(judge, state);
   JudgeMaps(judge, state);
   JudgeMode(judge, state);
-  JudgeInstantEnds(judge, state, has_new_order);
+  JudgeInstantEnds(judge, state, index, has_new_order);
   JudgeRoute(judge, state);
   JudgeTraversal(judge, state, has_new_order);
-  JudgeActionStates(judge, state, has_new_order);
+  JudgeActionStates(judge, state, index, has_new_order);
   JudgeBlocking(judge, state);
   JudgeRejections(judge, state, has_new_order);
   record.state = state;
@@ -427,7 +456,7 @@ void JudgeState(MessageJudge& judge, const State& state) {
   record.is_overdue = false;
   // What is answered is done with.
   std::erase_if(record.instant_actions, [&](const VehicleRecord::SentInstantAction& sent) {
-    const ActionState* const now = FindInstant(state, sent.action.id, judge.options.version);
+    const ActionState* const now = index.FindInstant(sent.action.id, judge.version);
     return sent.is_reported && (now == nullptr || IsFinal(now->status));
   });
 }

@@ -68,7 +68,7 @@ class MessageWriter {
  private:
   void WriteValue(bool flag) { json_.Value(flag); }
   void WriteValue(double number) { json_.Value(number); }
-  void WriteValue(std::uint32_t number) { json_.Value(number); }
+  void WriteValue(std::uint32_t number) { json_.Raw(std::to_string(number)); }
   void WriteValue(const std::string& text) { json_.Value(text); }
   void WriteValue(const ParameterValue& value) {
     if (value.kind == ParameterValue::Kind::kString) {

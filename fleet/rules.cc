@@ -13,6 +13,7 @@ constexpr RuleInfo kRules[] = {
     {Rule::kHeaderIdCounts, Side::kBoth, kAll, "headerId counts up by one with each message of a topic and sender"},
     {Rule::kTimestampGrows, Side::kBoth, kAll, "the timestamps of a topic and sender do not go back"},
     {Rule::kSenderInTopic, Side::kBoth, kAll, "manufacturer and serialNumber are those of the topic"},
+    {Rule::kVersionOfTopic, Side::kBoth, kAll, "the major number of version is that of the topic"},
 
     {Rule::kOrderForm, Side::kFleet, kAll,
      "an order has one edge less than nodes, one count of sequence ids, and a base before its horizon"},

@@ -23,6 +23,7 @@ enum class Rule : std::uint8_t {
   kHeaderIdCounts,
   kTimestampGrows,
   kSenderInTopic,
+  kVersionOfTopic,
   // The fleet control.
   kOrderForm,
   kOrderBeginsAtZero,
@@ -70,6 +71,7 @@ constexpr auto NamesOf(Rule) {
                     "header_id_counts",
                     "timestamp_grows",
                     "sender_in_topic",
+                    "version_of_topic",
                     "order_form",
                     "order_begins_at_zero",
                     "new_order_update_zero",

@@ -45,6 +45,7 @@ int Main(int argc, const char* const* argv) {
   AddSnapshotCommand(app, exit_status);
   AddExportCommand(app, exit_status);
   AddExportMapCommand(app, exit_status);
+  AddFleetCommand(app, exit_status);
   AddKeysCommand(app, exit_status);
   AddHostCommand(app, exit_status);
   AddCompletionsCommand(app, exit_status);

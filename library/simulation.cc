@@ -145,6 +145,7 @@ const std::vector<Warning>& Simulation::warnings() const {
 
 void Simulation::Step(Tick ticks) {
   impl_->reports.clear();
+  impl_->fleet_outputs.clear();
   for (Tick i = 0; i < ticks; ++i) StepOnce();
 }
 
@@ -160,12 +161,16 @@ void Simulation::StepOnce() {
     Proposal proposal = robot.Decide(state, impl_->bodies, now.commands[i]);
     // The motion lasts until another command; all else of a command is executed once.
     Command& given = now.commands[i].command;
+    now.commands[i].fleet.clear();
     if (now.commands[i].drives) given = {.twist = given.twist, .speed = given.speed, .steering = given.steering};
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
     if (!robot.report().empty()) impl_->reports.push_back(robot.report());
     // As the world service does it: a refused proposal is an event, and the step has none of that robot.
     const Status status = ValidateProposal(*now.scene, state, proposal);
     if (status.ok()) {
+      for (const FleetMessage& message : proposal.fleet) {
+        impl_->fleet_outputs.push_back({robot.id(), state.tick + 1, message});
+      }
       impl_->proposals.push_back(std::move(proposal));
     } else {
       events.push_back({.tick = state.tick + 1,
@@ -224,6 +229,10 @@ const std::vector<std::string>& Simulation::failures() const {
 
 const std::vector<std::string>& Simulation::reports() const {
   return impl_->reports;
+}
+
+const std::vector<Simulation::FleetOutput>& Simulation::fleet_outputs() const {
+  return impl_->fleet_outputs;
 }
 
 RobotInfo Simulation::Info(RobotId robot) const {

@@ -39,6 +39,15 @@ void Simulation::CancelGoal(RobotId robot) {
   impl_->now.commands[robot.index()].goal.reset();
 }
 
+Status Simulation::SendMessage(RobotId robot, FleetMessage message) {
+  std::vector<FleetMessage>& messages = impl_->now.commands[robot.index()].fleet;
+  RobotCommand command{.robot = robot, .messages = messages};
+  command.messages.push_back(std::move(message));
+  if (Status problem = CheckRobotCommand(world(), command); !problem.ok()) return problem;
+  messages = std::move(command.messages);
+  return {};
+}
+
 Status Simulation::AddInput(const Input& input) {
   if (Status problem = CheckInput(*impl_->now.scene, input); !problem.ok()) return problem;
   impl_->now.inputs.push_back(input);

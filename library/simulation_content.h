@@ -52,8 +52,9 @@ struct Simulation::Impl {
   Snapshot::Content now;
   BodyIndex bodies;  // at now.state between calls
   std::vector<Warning> warnings;
-  std::vector<Proposal> proposals;   // of one step
-  std::vector<std::string> reports;  // since the last call of Step began
+  std::vector<Proposal> proposals;         // of one step
+  std::vector<std::string> reports;        // since the last call of Step began
+  std::vector<FleetOutput> fleet_outputs;  // likewise
 };
 
 }  // namespace troupe

@@ -7,7 +7,7 @@ set(public_headers_of_common/base check deterministic_math enum_names fields ids
 set(public_headers_of_common/geometry polygon pose rectangle vec2 z_range)
 set(public_headers_of_common/bitmap bitmap dense_cover occupancy_grid pixel_area rectangle_cover)
 set(public_headers_of_common/model
-  color door_description event interval named_expectation order person_description radio_limits radio_message robot_command
+  color door_description event fleet_message interval named_expectation order person_description radio_limits radio_message robot_command
   sensor_description site_description site_state traffic_state world_description world_state)
 set(public_headers_of_common/picture picture_options)
 set(public_headers_of_testing/expectations expectation)
@@ -58,11 +58,12 @@ set(may_include_worldfile
   worldfile/stage worldfile/text)
 # VDA 5050: messages, and the rules of both sides, as pure functions.
 set(may_include_fleet common/base)
+set(may_include_transport/mqtt common/base)
 set(may_include_transport/protocol common/base common/geometry common/model)
 set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
 set(may_include_transport/security common/base transport/protocol common/run)
 set(may_include_common/trace common/base)
-set(may_include_command_line common/base transport/protocol common/run common/trace)
+set(may_include_command_line common/base transport/mqtt transport/protocol common/run common/trace)
 set(may_include_transport/dds/binding common/base)
 set(may_include_transport/dds/convert common/base common/bitmap common/geometry common/model transport/protocol transport/dds/binding idl)
 set(may_include_transport/wire common/base transport/protocol transport/dds/binding transport/dds/convert idl)
@@ -96,12 +97,14 @@ set(may_include_world-service/replay
   worldfile world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
   common/base common/model transport/protocol common/run world-service/service)
+set(may_include_world-service/observers/fleet
+  common/base common/model common/run common/spatial fleet transport/mqtt transport/protocol world-service/service)
 set(may_include_world-service/observers/ros
   common/base common/geometry common/image common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
   ros/connection ros/link idl/ros world-service/core world-service/service worldfile/sites)
 set(may_include_world-service/program
-  common/base command_line common/model transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
-  worldfile worldfile/grids worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
+  common/base command_line common/model transport/mqtt transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
+  worldfile worldfile/grids worldfile/models world-service/observers/fleet world-service/observers/recorder world-service/observers/ros world-service/replay
   world-service/service)
 set(may_include_world-service
   common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/link common/run transport/security common/spatial
@@ -110,7 +113,7 @@ set(may_include_world-service
 set(may_include_robot-agent/navigation
   common/base common/geometry common/model common/spatial include/troupe/controller.h include/troupe/sensor.h)
 set(may_include_robot-agent/controller
-  common/base common/geometry common/model include/troupe/controller.h include/troupe/parameters.h
+  common/base common/geometry common/model common/spatial fleet include/troupe/controller.h include/troupe/parameters.h
   include/troupe/sensor.h robot-agent/gripper robot-agent/navigation)
 set(may_include_robot-agent/drive common/base common/geometry common/model include/troupe/controller.h)
 set(may_include_robot-agent/gripper common/base common/model include/troupe/controller.h)
@@ -205,7 +208,7 @@ set(may_include_launcher/export
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands
-  common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
+  common/base command_line fleet transport/dds/tools transport/mqtt common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/grids worldfile/models worldfile/scenario
   worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs

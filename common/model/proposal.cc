@@ -55,6 +55,24 @@ Status CheckGoal(const Goal& goal) {
   return {};
 }
 
+Status CheckMessages(const std::vector<FleetMessage>& messages) {
+  if (messages.size() > kMaxFleetMessages) {
+    return Error{{},
+                 "found " + std::to_string(messages.size()) +
+                     " messages of a fleet control in a tick, expected at most " + std::to_string(kMaxFleetMessages)};
+  }
+  for (const FleetMessage& message : messages) {
+    if (message.text.find('\0') != std::string::npos) return Error{{}, "found a message with a byte of value 0"};
+    if (!IsToVehicle(message.topic)) return Error{{}, "found a message of a vehicle, expected one to a vehicle"};
+    if (message.text.size() > kMaxFleetBytes) {
+      return Error{{},
+                   "found a message of " + std::to_string(message.text.size()) + " bytes, expected at most " +
+                       std::to_string(kMaxFleetBytes)};
+    }
+  }
+  return {};
+}
+
 Status CheckParts(const WorldDescription& world, const RobotCommand& command) {
   if (command.twist && !IsFinite(*command.twist)) return Error{{}, "found a twist that is not finite"};
   std::vector<const GripperDescription*> grippers;
@@ -64,6 +82,7 @@ Status CheckParts(const WorldDescription& world, const RobotCommand& command) {
   for (const GripperOrder& order : command.grippers) {
     if (Status failure = CheckOrder(grippers, order); !failure.ok()) return failure;
   }
+  if (Status failure = CheckMessages(command.messages); !failure.ok()) return failure;
   return command.goal ? CheckGoal(*command.goal) : Status();
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "troupe/fields.h"
+#include "troupe/fleet_message.h"
 #include "troupe/ids.h"
 #include "troupe/order.h"
 #include "troupe/pose.h"
@@ -29,6 +30,7 @@ struct Proposal {
   std::vector<RadioMessage> messages = {};  // within the limits of the radios (radio_limits.h)
   std::vector<Order> orders = {};           // by kind (check_order.h); orders of a kind are executed one after another
   std::string say = {};                     // the text of an event, at most kMaxSaidBytes; empty: none
+  std::vector<FleetMessage> fleet = {};     // to its fleet control, in order
   bool operator==(const Proposal&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -38,6 +40,7 @@ struct Proposal {
         Field{"messages", &Proposal::messages},
         Field{"orders", &Proposal::orders},
         Field{"say", &Proposal::say},
+        Field{"fleet", &Proposal::fleet},
     };
   }
 };

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/geometry/limits.h"
 #include "common/model/device_limits.h"
 #include "common/model/lane_rules.h"
 #include "troupe/deterministic_math.h"
@@ -108,6 +109,16 @@ class OrderCheck {
     return BadInput("found a wait at lane " + std::to_string(*order.lane) + ", expected one of the world's " +
                     std::to_string(lanes));
   }
+  Status operator()(const LoadOrder& order) const {
+    if (!robot_) return NeedsRobot("a load");
+    const bool is_object = order.object.index() < world_.models.size() && scene_.object_of(order.object).has_value() &&
+                           !world_.model(order.object).parent;
+    if (!is_object) {
+      return BadInput("found a load that is model " + std::to_string(order.object.index()) + ", expected an object");
+    }
+    if (std::abs(order.x) <= kMaxMagnitude && std::abs(order.y) <= kMaxMagnitude) return {};
+    return BadInput("found a place for a load beyond 1000 km");
+  }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");
     // A twist that a tool sets is a jump: only the bounds of the velocity count, not the bounds of the acceleration.
@@ -167,7 +178,8 @@ Status CheckOrder(const Scene& scene, RobotId robot, const Order& order) {
 Status CheckInput(const Scene& scene, const Input& input) {
   const WorldDescription& world = scene.world();
   if (std::holds_alternative<TrafficOrder>(input.order)) return BadInput("found traffic, expected an order of a tool");
-  if (std::holds_alternative<ChargeOrder>(input.order) || std::holds_alternative<JobOrder>(input.order)) {
+  if (std::holds_alternative<ChargeOrder>(input.order) || std::holds_alternative<JobOrder>(input.order) ||
+      std::holds_alternative<LoadOrder>(input.order)) {
     return BadInput("found a demand of a robot, expected an order of a tool");
   }
   if (std::holds_alternative<WaitOrder>(input.order)) return BadInput("found a wait, expected an order of a tool");

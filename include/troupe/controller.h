@@ -21,6 +21,7 @@
 
 #include "troupe/deterministic_math.h"
 #include "troupe/enum_names.h"
+#include "troupe/fleet_message.h"
 #include "troupe/ids.h"
 #include "troupe/order.h"
 #include "troupe/parameters.h"
@@ -164,6 +165,8 @@ struct Observation {
   // That a user has sent the robot to, in the frame of `pose_estimate`; null: none, or it was cancelled or has expired.
   // Another number is another goal. Only for a controller that accepts goals.
   const Goal* goal = nullptr;
+  std::span<const FleetMessage> fleet = {};  // that have arrived for this robot from its fleet control
+  bool is_overridden = false;                // a user drives the robot in this tick, in place of the command
 
   // The i-th of this tick's uniform random numbers in [0, 1), the same in every run with the same seed.
   double Random(std::uint64_t i) const { return RandomUniform({random_key, i}); }
@@ -190,6 +193,8 @@ struct Command {
   std::vector<Order> orders = {};
   // The text of an event of the run (EventType::kSaid); beyond 200 bytes it is cut off.
   std::string say = {};
+  // To the fleet control of the robot; those beyond the limits of FleetMessage are a failure of the controller.
+  std::vector<FleetMessage> fleet = {};
 };
 
 // A sensor of the robot. The description lives as long as the controller.
@@ -240,7 +245,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 12
+#define TROUPE_CONTROLLER_ABI 13
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

@@ -130,6 +130,27 @@ struct JobOrder {
   }
 };
 
+// Takes an object onto the robot, or puts down one that it carries: by a hand-over, as a vehicle with a fork or rollers
+// does at a station. It fails without an effect if the object is held, on another robot or farther than kLoadReach from
+// the robot, or has no room where it is to be.
+struct LoadOrder {
+  ModelId object;     // the root of an object that is not mounted
+  bool takes = true;  // onto the middle of the robot; else down, from the robot to:
+  double x = 0.0;     // m, in W, of the origin of the object; its height is that on the robot, from which it falls
+  double y = 0.0;
+  bool operator==(const LoadOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"object", &LoadOrder::object},
+        Field{"takes", &LoadOrder::takes},
+        Field{"x", &LoadOrder::x}.In("m"),
+        Field{"y", &LoadOrder::y}.In("m"),
+    };
+  }
+};
+
+inline constexpr double kLoadReach = 2.5;  // m, from the robot's origin
+
 // Closes a lane for robots, limits their speed there, or lifts that (LaneRule), with all lanes on the same line. Of
 // tools only.
 struct LaneOrder {
@@ -178,7 +199,7 @@ struct TwistOrder {
 };
 
 using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder, TrafficOrder, ChargeOrder,
-                           JobOrder, WaitOrder, LaneOrder, ZoneOrder>;
+                           JobOrder, WaitOrder, LaneOrder, ZoneOrder, LoadOrder>;
 
 // An order from outside of the simulation, for one tick.
 struct Input {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "troupe/fields.h"
+#include "troupe/fleet_message.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
@@ -61,13 +62,13 @@ struct RobotCommand {
   std::optional<Twist> twist = {};  // in R, in place of the controller's motion; the drive bounds it
   std::vector<GripperOrder> grippers = {};
   std::optional<Goal> goal = {};
+  std::vector<FleetMessage> messages = {};  // to its controller, in one tick
   bool operator==(const RobotCommand&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"robot", &RobotCommand::robot},
-        Field{"twist", &RobotCommand::twist},
-        Field{"grippers", &RobotCommand::grippers},
-        Field{"goal", &RobotCommand::goal},
+        Field{"robot", &RobotCommand::robot},       Field{"twist", &RobotCommand::twist},
+        Field{"grippers", &RobotCommand::grippers}, Field{"goal", &RobotCommand::goal},
+        Field{"messages", &RobotCommand::messages},
     };
   }
 };

@@ -106,6 +106,13 @@ class Simulation {
   const std::vector<std::string>& failures() const;
   // What controllers have reported (Command::report) since the last call of Step began; each line names its robot.
   const std::vector<std::string>& reports() const;
+  // What robots have told their fleet control since then (Command::fleet).
+  struct FleetOutput {
+    RobotId robot;
+    Tick tick = 0;
+    FleetMessage message;
+  };
+  const std::vector<FleetOutput>& fleet_outputs() const;
 
   // The robot's sensors, joints and grippers, in the order in which the functions below count them; valid until a
   // snapshot is restored. REQUIRES: the id is of this world, here and below.
@@ -142,6 +149,9 @@ class Simulation {
   // no goals, or a goal that it cannot reach, with the reason.
   Status SendTo(RobotId robot, Goal goal);
   void CancelGoal(RobotId robot);
+  // A message of a fleet control to the robot's controller, for the next tick. The error is one that is too long, or
+  // not to a vehicle.
+  Status SendMessage(RobotId robot, FleetMessage message);
   // An order to a door, a lift or a light, or a twist, for the next tick.
   Status AddInput(const Input& input);
   // X_WE of an entity: a robot, an object, a person or a static model. The error is an unknown name.

@@ -40,6 +40,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status);
 void AddExportCommand(CLI::App& app, int& exit_status);
 void AddExportMapCommand(CLI::App& app, int& exit_status);
 void AddKeysCommand(CLI::App& app, int& exit_status);
+void AddFleetCommand(CLI::App& app, int& exit_status);
 void AddHostCommand(CLI::App& app, int& exit_status);
 void AddCompletionsCommand(CLI::App& app, int& exit_status);
 // After all others: it also adds examples to the help texts of theirs.

@@ -49,6 +49,9 @@ constexpr Example kExamples[] = {
     {"snapshot", "troupe snapshot office.world -o office.png", "the world from above"},
     {"snapshot", "troupe snapshot office.world --tick 100 --rays --view side -o side.svg", "after 100 ticks"},
     {"export-map", "troupe export-map office.world -o office.yaml", "for ROS's map_server"},
+    {"fleet", "troupe fleet check --vda5050 mqtt://localhost --for 60 --junit results.xml",
+     "a minute of a fleet at a broker"},
+    {"fleet", "troupe fleet check fleet.jsonl", "a log of its messages"},
     {"keys", "troupe keys make keys --robots r0,r1", "for a run over an open network"},
     {"completions", "troupe completions bash > troupe.bash", "for 'source troupe.bash'"},
 };
@@ -62,7 +65,7 @@ constexpr const char* kEnvironmentAndStatus = R"(Environment:
 
 Exit status:
   0                           Done
-  1                           Of 'test': an expectation failed
+  1                           Of 'test': an expectation failed; of 'fleet check': a rule is broken
   2                           Bad input or usage; one line states the text found and the text expected
   3                           The run failed; one line states the reason
   130                         Stopped in order by Ctrl-C, SIGTERM or SIGHUP

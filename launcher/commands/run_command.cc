@@ -22,6 +22,7 @@
 #include "launcher/commands/shown_expectations.h"
 #include "launcher/commands/temporary_folder.h"
 #include "launcher/process/filter.h"
+#include "launcher/process/local_broker.h"
 #include "launcher/supervise/output_files.h"
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_options.h"
@@ -224,6 +225,19 @@ int RunCommand(RunOptions options, const std::vector<std::string>& ros_options) 
   std::string& enclave = options.ros.network.security.enclave;
   if (options.in_process && enclave.empty()) enclave = ros::kWorldEnclave;
   if (const Status status = CheckRosOptions(options, ros_options); !status.ok()) return Fail(status.error());
+  const TemporaryFolder broker_folder;
+  std::unique_ptr<LocalBroker> broker;  // outlives the run
+  if (options.fleet.broker.url == "local") {
+    Result<std::unique_ptr<LocalBroker>> started = LocalBroker::Start(broker_folder.path());
+    if (!started.ok()) return Fail(started.error());
+    broker = std::move(started).value();
+    options.fleet.broker.url = broker->Url();
+    fmt::print("broker: {}\n", options.fleet.broker.url);
+    std::fflush(stdout);
+  } else if (!options.fleet.broker.url.empty()) {
+    const Result<mqtt::Broker> valid = BrokerOf(options.fleet.broker);
+    if (!valid.ok()) return Fail(valid.error());
+  }
   const MakeViewer make_viewer = [&options](Transport& transport, std::shared_ptr<SceneCache> scenes) {
     return std::make_unique<InProcessViewer>(transport, std::move(scenes), options.network.session, options.file);
   };

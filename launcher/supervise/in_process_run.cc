@@ -194,6 +194,7 @@ RunSource SourceOf(const RunOptions& options) {
   source.permissions = options.permissions;
   source.outputs = {options.hash_log, options.poses, options.record, options.keyframe_interval};
   source.ros = options.ros;
+  source.fleet = options.fleet;
   ServiceOptions& service = source.service;
   service.session = options.network.session;
   service.lease_seconds = options.network.lease();

@@ -13,6 +13,7 @@
 #include "robot-agent/agent/agent_host.h"
 #include "ros/flags/ros_flags.h"
 #include "ros/link/host_program.h"
+#include "world-service/program/fleet_flags.h"
 #include "world-service/program/grid_flags.h"
 #include "worldfile/scenario/scenario.h"
 
@@ -179,6 +180,9 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(OneOf({"process", "host"}))
       ->type_name("NAME")
       ->group(ros);
+  AddFleetFlags(command, options.fleet,
+                "Connect the robots with the controller vda5050 to a fleet control through an MQTT broker: "
+                "mqtt://HOST[:PORT] or mqtts://HOST[:PORT]; local: the run starts one on the loopback interface");
   AddOutputFlags(command, options);
 
   AddFaultsFlag(command, options.faults);
@@ -257,6 +261,7 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   if (options.paused) arguments.emplace_back("--paused");
   if (options.threads) Append(arguments, "--threads", std::to_string(*options.threads));
   Append(arguments, ServiceRosArguments(options.ros));
+  Append(arguments, FleetArguments(options.fleet));
   return arguments;
 }
 

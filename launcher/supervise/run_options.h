@@ -15,6 +15,7 @@
 #include "common/trace/tick_trace.h"
 #include "ros/messages/ros_options.h"
 #include "troupe/result.h"
+#include "world-service/program/fleet_flags.h"
 #include "world-service/service/requested_file.h"
 #include "worldfile/load_world.h"
 
@@ -47,6 +48,7 @@ struct RunOptions {
   bool paused = false;    // at the start
   bool headless = false;  // no viewer
   ros::RosOptions ros = ros::OptionsFromEnvironment();
+  FleetOptions fleet;  // "local": a broker of the run
 
   // Files; empty: none.
   std::string hash_log;

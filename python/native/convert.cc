@@ -243,10 +243,10 @@ void ForEach(py::handle rows, const char* what, Add&& add) {
 Order ToOrder(py::handle row) {
   const auto is = [row](const char* record) { return py::isinstance(row, Record(record)); };
   if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder") && !is("TrafficOrder") &&
-      !is("ChargeOrder") && !is("JobOrder") && !is("WaitOrder")) {
+      !is("ChargeOrder") && !is("JobOrder") && !is("WaitOrder") && !is("LoadOrder")) {
     throw py::type_error(
         fmt::format("orders: found {}, expected LightOrder, CameraOrder, DoorOrder, LiftOrder, "
-                    "TrafficOrder, ChargeOrder, JobOrder or WaitOrder",
+                    "TrafficOrder, ChargeOrder, JobOrder, WaitOrder or LoadOrder",
                     TypeName(row)));
   }
   const auto m = py::reinterpret_borrow<py::tuple>(row);
@@ -262,6 +262,9 @@ Order ToOrder(py::handle row) {
   if (is("WaitOrder")) {
     return WaitOrder{m[0].is_none() ? std::nullopt : std::optional(ModelId(ToIndex(m[0], "thing"))),
                      m[1].is_none() ? std::nullopt : std::optional(number(1, "lane"))};
+  }
+  if (is("LoadOrder")) {
+    return LoadOrder{ModelId(ToIndex(m[0], "object")), ToBool(m[1], "takes"), ToNumber(m[2], "x"), ToNumber(m[3], "y")};
   }
   return TrafficOrder{.at = number(0, "at"),
                       .goal = m[1].is_none() ? std::nullopt : std::optional(number(1, "goal")),

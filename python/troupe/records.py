@@ -17,7 +17,8 @@ __all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "Gr
            "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "Map", "CameraReading", "Place",
            "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
            "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightOrder", "CameraOrder", "DoorOrder",
-           "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "ChargeOrder", "JobOrder", "WaitOrder", "Command"]
+           "LiftInfo", "LiftReading", "LiftOrder", "TrafficOrder", "ChargeOrder", "JobOrder", "WaitOrder", "LoadOrder",
+           "Command"]
 
 
 class Pose(NamedTuple):
@@ -457,6 +458,15 @@ class WaitOrder(NamedTuple):
     lane: Optional[int] = None  # on which it cannot go on, counted through all graphs of the world
 
 
+class LoadOrder(NamedTuple):
+    """Takes an object onto the robot, or puts it down from there, as at a station. Without an effect where it cannot."""
+
+    object: int  # the root model of the object
+    takes: bool = True  # False: puts it down at
+    x: float = 0.0  # m, in W
+    y: float = 0.0
+
+
 class Command(NamedTuple):
     """The command for one tick. A motion ends with the tick; the other commands are valid until the next ones."""
 
@@ -468,6 +478,6 @@ class Command(NamedTuple):
     grippers: Sequence[GripperCommand] = ()
     joints: Sequence[JointCommand] = ()
     messages: Sequence[RadioMessage] = ()
-    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder, ChargeOrder, JobOrder, WaitOrder]] = ()  # executed in order
+    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder, TrafficOrder, ChargeOrder, JobOrder, WaitOrder, LoadOrder]] = ()  # executed in order
     report: str = ""  # an event of the run, for users
     say: str = ""  # a text for users, an event of the run

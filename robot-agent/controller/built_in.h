@@ -59,6 +59,7 @@ BuiltInController LaserNoise();
 BuiltInController Rasterize();
 BuiltInController Dynamic();
 BuiltInController SlotcarController();
+BuiltInController Vda5050Controller();
 
 // The parameters of controllers that make a map.
 // `map_size` and `cell`, both in m.

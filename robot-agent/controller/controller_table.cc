@@ -141,6 +141,23 @@ constexpr ParameterHelp kStationParameters[] = {
     {"capacity", "number", "", "1", 1.0, 1e9, "Units in stock"},
     {"reach", "number", "m", "1.5", 0.0, 1000.0, "A visitor is nearer"},
     {"load_time", "number", "s", "2.5", 0.0, 3600.0, "Of a visit for one unit"}};
+constexpr ParameterHelp kVda5050Parameters[] = {
+    {"version", "json", "", R"("2.1")", 0.0, 0.0, R"("2.0", "2.1" or "3.0")"},
+    {"manufacturer", "json", "", R"("Troupe")", 0.0, 0.0, "A level of its topics"},
+    {"serial_number", "json", "", "", 0.0, 0.0, "A level of its topics; else the robot's name"},
+    {"interface", "json", "", "", 0.0, 0.0, R"(The first level of its topics; else "uagv", in 3.0 "vda5050")"},
+    {"map", "json", "", R"("map")", 0.0, 0.0, "The id of the map in orders"},
+    {"epoch", "json", "", R"("2026-01-01T00:00:00.000Z")", 0.0, 0.0, "The time of tick 0 in messages"},
+    {"speed", "number", "m/s", "1", 0.01, 100.0, "On edges without one, within the bounds of the drive"},
+    {"turn_rate", "number", "rad/s", "0.8", 0.01, 100.0, "On edges without one, within the bounds of the drive"},
+    {"tolerance", "number", "m", "0.1", 0.01, 100.0, "Of nodes without a deviation"},
+    {"heading_tolerance", "number", "rad", "0.05", 0.01, 3.2, "Of nodes with an orientation"},
+    {"gap", "number", "m", "0.2", 0.0, 100.0, "That it keeps to what is ahead"},
+    {"blocked_after", "number", "s", "3", 0.0, 3600.0, "At rest before an obstacle, until it is an error"},
+    {"load_time", "number", "s", "3", 0.0, 3600.0, "Of a hand-over"},
+    {"state_interval", "number", "s", "30", 0.1, 30.0, "A state is sent at the latest"},
+    {"minimum_state_interval", "number", "s", "0", 0.0, 30.0, "Between two states"},
+    {"visualization_interval", "number", "s", "1", 0.0, 3600.0, "Between two visualizations; 0: none"}};
 constexpr ParameterHelp kWanderParameters[] = {
     {"speed", "number", "m/s", "0.4", 0.0, 100.0, "Ahead; half of it when it backs off"},
     kTurnRateHelp,
@@ -169,6 +186,7 @@ constexpr ControllerHelp kControllers[] = {
     {"sink", "A station that receives units", kStationParameters},
     {"slotcar", "Drives along the paths of Open-RMF, and to goals", kSlotcarParameters},
     {"source", "A station that gives units", kStationParameters},
+    {"vda5050", "Drives and works as a fleet control orders by VDA 5050", kVda5050Parameters},
     {"wander", "Drives ahead, and turns away from obstacles", kWanderParameters},
 };
 

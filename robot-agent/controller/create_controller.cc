@@ -24,10 +24,18 @@
 namespace troupe {
 namespace {
 
-std::array<BuiltInController, 20> BuiltIns() {
-  return {Dynamic(), Expand(), Fasr(),       Fasr2(),  FasrPlan(), Fetch(),     Flock(),  Follow(), GoTo(),
-          Idle(),    Lanes(),  LaserNoise(), Patrol(), Flocking(), Rasterize(), Script(), Sink(),   SlotcarController(),
-          Source(),  Wander()};
+std::array<BuiltInController, 21> BuiltIns() {
+  return {Dynamic(),   Expand(),
+          Fasr(),      Fasr2(),
+          FasrPlan(),  Fetch(),
+          Flock(),     Follow(),
+          GoTo(),      Idle(),
+          Lanes(),     LaserNoise(),
+          Patrol(),    Flocking(),
+          Rasterize(), Script(),
+          Sink(),      SlotcarController(),
+          Source(),    Vda5050Controller(),
+          Wander()};
 }
 
 std::optional<BuiltInController> FindBuiltIn(const std::string& name) {

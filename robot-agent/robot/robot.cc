@@ -50,6 +50,23 @@ double TimeOf(const WorldDescription& world, Tick tick) {
   return static_cast<double>(tick) * static_cast<double>(world.interval_ns) / 1e9;
 }
 
+Status CheckFleetMessages(const std::vector<FleetMessage>& messages) {
+  if (messages.size() > kMaxFleetMessages) {
+    return Error{
+        {},
+        fmt::format("sends {} messages to its fleet control, expected at most {}", messages.size(), kMaxFleetMessages)};
+  }
+  for (const FleetMessage& message : messages) {
+    if (IsToVehicle(message.topic)) return Error{{}, "sends a message that only a fleet control sends"};
+    if (message.text.size() > kMaxFleetBytes) {
+      return Error{{},
+                   fmt::format("sends a message of {} bytes to its fleet control, expected at most {}",
+                               message.text.size(), kMaxFleetBytes)};
+    }
+  }
+  return {};
+}
+
 // The bytes of the whole lines of the file; 0 if there is none.
 Result<off_t> LengthOfWholeLines(const std::string& path) {
   std::error_code unknown;
@@ -121,6 +138,7 @@ Status Robot::CheckCommand(const Command& command) const {
 
 Status Robot::CheckOrders(const Command& command) const {
   Status status = CheckReceivers(command);
+  if (status.ok()) status = CheckFleetMessages(command.fleet);
   for (const Order& order : command.orders) {
     if (!status.ok()) break;
     status = CheckOrder(*scene_, id_, WithinLimits(scene_->world(), id_, order));
@@ -229,7 +247,7 @@ Proposal Robot::Propose(const WorldState& state, const BodyIndex& bodies, const 
   report_.clear();
   // Called also while an external command overrides it: a controller sees every tick.
   // After a failure the robot stands still for the rest of the run: a controller that threw has an unknown state.
-  Command command = failure_.empty() ? AskController(state, bodies, external.goal) : Command{};
+  Command command = failure_.empty() ? AskController(state, bodies, external) : Command{};
   std::vector<RadioMessage> messages = std::move(command.messages);
   messages.insert(messages.end(), external.command.messages.begin(), external.command.messages.end());
   // The external orders come last, so that they win where one order replaces another.
@@ -238,6 +256,7 @@ Proposal Robot::Propose(const WorldState& state, const BodyIndex& bodies, const 
     for (const Order& order : source->orders) orders.push_back(WithinLimits(scene_->world(), id_, order));
   }
   std::string say = PlainLine(external.command.say.empty() ? command.say : external.command.say, kMaxSaidBytes);
+  std::vector<FleetMessage> fleet = std::move(command.fleet);
   if (external.drives) command = external.command;
   // After the controller's commands: an external one overrides them.
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
@@ -248,7 +267,8 @@ Proposal Robot::Propose(const WorldState& state, const BodyIndex& bodies, const 
           failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{},
           WithinLimits(description(), scene_->world().interval_seconds(), std::move(messages)),
           ByKind(std::move(orders)),
-          std::move(say)};
+          std::move(say),
+          std::move(fleet)};
 }
 
 const SensorReading& Robot::Measure(std::size_t sensor, const WorldState& state, const BodyIndex& bodies) {
@@ -282,7 +302,7 @@ const Goal* Robot::EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_
   return &*goal_;
 }
 
-Command Robot::AskController(const WorldState& state, const BodyIndex& bodies, const std::optional<Goal>& goal) {
+Command Robot::AskController(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external) {
   const WorldDescription& world = scene_->world();
   const RobotState& own = state.robots[id_.index()];
   Observation observation;
@@ -310,7 +330,9 @@ Command Robot::AskController(const WorldState& state, const BodyIndex& bodies, c
   observation.lifts = state.lifts;
   // By tick, not by a running generator: a controller that is started late or copied draws the same numbers.
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
-  observation.goal = EstimatedGoal(goal, own.X_WR);
+  observation.goal = EstimatedGoal(external.goal, own.X_WR);
+  observation.fleet = external.fleet;
+  observation.is_overridden = external.drives;
   if (watcher_ != nullptr) watcher_->WatchRobots({*scene_, bodies, state});
   Result<Command> command = RunController(observation);
   if (command.ok()) {
@@ -352,6 +374,7 @@ void AddCommand(const RobotCommand& added, const DriveDescription& drive, Extern
     external.command.grippers.push_back({.gripper = order.gripper, .lift = order.lift, .opening = order.opening});
   }
   external.goal = added.goal;
+  external.fleet = added.messages;
 }
 
 Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path, bool keep) {

@@ -35,8 +35,9 @@ namespace troupe {
 struct ExternalCommand {
   // Commands to grippers, joints and radios are applied after the controller's. REQUIRES: they are valid for the robot.
   Command command = {};
-  bool drives = false;            // the motion in `command` overrides the controller's
-  std::optional<Goal> goal = {};  // for a controller that accepts goals
+  bool drives = false;                   // the motion in `command` overrides the controller's
+  std::optional<Goal> goal = {};         // for a controller that accepts goals
+  std::vector<FleetMessage> fleet = {};  // of its fleet control, for the controller
 };
 
 // Adds a command of a frame, whose motion overrides one that is there. REQUIRES: CheckRobotCommand succeeded.
@@ -123,7 +124,7 @@ class Robot {
   // Decides with the readings of Sense.
   Proposal Propose(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external);
   // Stores the controller's failure, if it fails.
-  Command AskController(const WorldState& state, const BodyIndex& bodies, const std::optional<Goal>& goal);
+  Command AskController(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external);
   // The goal in the frame of the pose estimate: fixed there when it arrives, so that a drift of odometry does not move
   // it for the controller.
   const Goal* EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_WR);

@@ -12,6 +12,7 @@
 #include "common/base/file.h"
 #include "common/base/json.h"
 #include "common/base/text.h"
+#include "common/base/xml_text.h"
 #include "testing/reports/svg_plot.h"
 
 namespace troupe {
@@ -388,12 +389,12 @@ std::string CaseReport::JUnit(const std::filesystem::path& report) const {
       if (row.seconds) total = total.value_or(0.0) + *row.seconds;
     }
     suites += fmt::format("  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\"{}>\n",
-                          Escaped(entry.test.path), entry.rows.size(), count(entry, CaseVerdict::kFailed),
+                          XmlText(entry.test.path), entry.rows.size(), count(entry, CaseVerdict::kFailed),
                           count(entry, CaseVerdict::kError), count(entry, CaseVerdict::kNotRun), time(total));
     for (const auto& [number, row] : entry.rows) {
       const std::string text = CaseText(row.draws);
-      suites += fmt::format("    <testcase classname=\"{}\" name=\"{}\"{}", Escaped(entry.test.name),
-                            Escaped((row.kept ? "kept: " : "") + (text.empty() ? "case" : text)), time(row.seconds));
+      suites += fmt::format("    <testcase classname=\"{}\" name=\"{}\"{}", XmlText(entry.test.name),
+                            XmlText((row.kept ? "kept: " : "") + (text.empty() ? "case" : text)), time(row.seconds));
       const auto fault = entry.faults.find(number);
       if (row.verdict == CaseVerdict::kNotRun) {
         suites += "><skipped message=\"not run\"/></testcase>\n";
@@ -402,10 +403,10 @@ std::string CaseReport::JUnit(const std::filesystem::path& report) const {
       } else {
         const std::vector<std::string> lines = FaultLines(entry.test, fault->second, report);
         std::string body;
-        for (const std::string& line : lines) body += Escaped(line) + "\n";
+        for (const std::string& line : lines) body += XmlText(line) + "\n";
         suites += fmt::format("><{0} message=\"{1}\" type=\"{0}\">{2}</{0}></testcase>\n",
                               row.verdict == CaseVerdict::kFailed ? "failure" : "error",
-                              lines.empty() ? "" : Escaped(lines.front()), body);
+                              lines.empty() ? "" : XmlText(lines.front()), body);
       }
     }
     suites += "  </testsuite>\n";

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "common/base/xml_text.h"
 #include "testing/reports/case_report.h"
 #include "testing/reports/svg_plot.h"
 
@@ -70,10 +71,10 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool 
   const std::string text = CaseText(fault.draws);
   std::string html = fmt::format("<details{}><summary><b class=\"{}\">{}</b> {}<code>{}</code></summary>\n",
                                  open ? " open" : "", ClassOf(outcome.verdict), NameOf(outcome.verdict),
-                                 fault.kept ? "kept " : "", Escaped(text.empty() ? "the only case" : text));
-  if (!outcome.error.empty()) html += "<p>" + Escaped(outcome.error) + "</p>\n";
-  if (!fault.command.empty()) html += "<p>Repeat: <code>" + Escaped(fault.command) + "</code></p>\n";
-  if (!fault.shrunk.empty()) html += "<p>The smallest case found: <code>" + Escaped(fault.shrunk) + "</code></p>\n";
+                                 fault.kept ? "kept " : "", XmlText(text.empty() ? "the only case" : text));
+  if (!outcome.error.empty()) html += "<p>" + XmlText(outcome.error) + "</p>\n";
+  if (!fault.command.empty()) html += "<p>Repeat: <code>" + XmlText(fault.command) + "</code></p>\n";
+  if (!fault.shrunk.empty()) html += "<p>The smallest case found: <code>" + XmlText(fault.shrunk) + "</code></p>\n";
   if (!fault.page.empty()) {
     html += fmt::format("<p><a href=\"{}\">Watch it</a>: a page that needs no server</p>\n",
                         LinkTo(fault.folder + "/" + fault.page));
@@ -81,7 +82,7 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool 
   if (!fault.recording.empty()) {
     const std::string file = fault.folder + "/" + fault.recording;
     html +=
-        fmt::format("<p><a href=\"{}\">Recording</a>: <code>troupe view {}</code></p>\n", LinkTo(file), Escaped(file));
+        fmt::format("<p><a href=\"{}\">Recording</a>: <code>troupe view {}</code></p>\n", LinkTo(file), XmlText(file));
   }
   if (!fault.picture.empty()) {
     html += fmt::format("<p><img src=\"{}\" alt=\"The world at the tick that decides\" width=\"560\"></p>\n",
@@ -90,9 +91,9 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool 
   for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
     const ExpectationOutcome& each = outcome.expectations[i];
     html += fmt::format("<p><b class=\"{}\">{}</b> {}: robustness {}{}{}</p>\n", each.holds ? "passed" : "failed",
-                        each.holds ? "holds" : "fails", Escaped(test.expect[i]), Shown(each.robustness),
+                        each.holds ? "holds" : "fails", XmlText(test.expect[i]), Shown(each.robustness),
                         each.cause_tick ? fmt::format(", decided by tick {}", *each.cause_tick) : "",
-                        each.causes.empty() ? "" : Escaped(fmt::format(" and {}", fmt::join(each.causes, ", "))));
+                        each.causes.empty() ? "" : XmlText(fmt::format(" and {}", fmt::join(each.causes, ", "))));
     if (each.holds) continue;
     std::vector<PlotPoint> points;
     for (const Monitor::Moment& moment : each.history) {
@@ -162,7 +163,7 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
   std::string html = fmt::format(
       "<h3>{}</h3>\n<table><tr><th>case</th><th>runs</th><th>mean</th><th>95 % confidence</th>"
       "<th>deviation</th><th>least</th><th>greatest</th></tr>\n",
-      Escaped(WithUnit(entry.test.metrics[metric], entry.test.units[metric])));
+      XmlText(WithUnit(entry.test.metrics[metric], entry.test.units[metric])));
   std::size_t shown = 0;
   for (const std::string& name : names) {
     const auto& [runs, statistics] = groups.at(name);
@@ -173,7 +174,7 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
     html += fmt::format(
         "<tr><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
         "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-        Escaped(name.empty() ? "all" : name),
+        XmlText(name.empty() ? "all" : name),
         statistics.count() == runs ? std::to_string(runs) : fmt::format("{} of {}", statistics.count(), runs),
         statistics.count() == 0 ? "none" : Shown(statistics.mean()),
         statistics.count() < 2 ? "" : "± " + Shown(statistics.confidence()),
@@ -196,7 +197,7 @@ std::string CaseReport::PageOf(const Entry& entry) const {
   const std::string cases = test.cases > 0 ? fmt::format("{} of {} cases of its design", count, test.cases)
                                            : fmt::format("{} case{} of a search", count, count == 1 ? "" : "s");
   std::string html =
-      fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {}{}</p>\n", Escaped(test.name), Escaped(test.path), cases,
+      fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {}{}</p>\n", XmlText(test.name), XmlText(test.path), cases,
                   kept > 0 ? fmt::format(", and {} kept case{}", kept, kept == 1 ? "" : "s") : "");
   if (!test.expect.empty()) {
     html +=
@@ -214,9 +215,9 @@ std::string CaseReport::PageOf(const Entry& entry) const {
       html += fmt::format(
           "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"n {}\">{}</td>"
           "<td class=\"n\">{}</td><td><code>{}</code></td></tr>\n",
-          Escaped(test.expect[i]), Escaped(test.formulas[i]), holds, fails > 0 ? "failed" : "", fails,
+          XmlText(test.expect[i]), XmlText(test.formulas[i]), holds, fails > 0 ? "failed" : "", fails,
           nearest != nullptr ? Shown(nearest->robustness[i]) : "",
-          nearest != nullptr ? Escaped(CaseText(nearest->draws)) : "");
+          nearest != nullptr ? XmlText(CaseText(nearest->draws)) : "");
     }
     html += "</table>\n";
   }
@@ -226,7 +227,7 @@ std::string CaseReport::PageOf(const Entry& entry) const {
       const auto reached = std::count_if(entry.rows.begin(), entry.rows.end(), [&](const auto& row) {
         return !row.second.kept && i < row.second.covered.size() && row.second.covered[i];
       });
-      html += fmt::format("<tr><td>{}</td><td class=\"n {}\">{}</td></tr>\n", Escaped(test.cover[i]),
+      html += fmt::format("<tr><td>{}</td><td class=\"n {}\">{}</td></tr>\n", XmlText(test.cover[i]),
                           reached == 0 ? "failed" : "", reached);
     }
     html += "</table>\n";
@@ -236,7 +237,7 @@ std::string CaseReport::PageOf(const Entry& entry) const {
   std::size_t squares = 0;
   for (const auto& [number, row] : entry.rows) {
     if (++squares > kMaxSquares) break;
-    html += fmt::format("<span class=\"{}\" title=\"{}\"></span>", ClassOf(row.verdict), Escaped(CaseText(row.draws)));
+    html += fmt::format("<span class=\"{}\" title=\"{}\"></span>", ClassOf(row.verdict), XmlText(CaseText(row.draws)));
   }
   html += "</p>\n";
   std::size_t shown = 0;

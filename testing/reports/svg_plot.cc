@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "common/base/text.h"
+#include "common/base/xml_text.h"
 
 namespace troupe {
 namespace {
@@ -98,7 +98,7 @@ class Plot {
         "font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
         settings_.width, settings_.height);
     svg += fmt::format("<text x=\"{}\" y=\"18\" text-anchor=\"middle\" font-size=\"13\">{}</text>\n",
-                       settings_.width / 2, Escaped(settings_.title));
+                       settings_.width / 2, XmlText(settings_.title));
     return svg + MarksOfY() + (has_words() ? Words() : MarksOfX()) + FrameAndLabels() + Points() + "</svg>\n";
   }
 
@@ -137,7 +137,7 @@ class Plot {
     std::string svg;
     for (std::size_t i = 0; i < settings_.x_words.size(); ++i) {
       svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n",
-                         ToPixelX(static_cast<double>(i)), kTop + height_ + 15, Escaped(settings_.x_words[i]));
+                         ToPixelX(static_cast<double>(i)), kTop + height_ + 15, XmlText(settings_.x_words[i]));
     }
     return svg;
   }
@@ -147,9 +147,9 @@ class Plot {
         "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" stroke=\"#999\"/>\n", kLeft,
         kTop, width_, height_);
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", kLeft + width_ / 2,
-                       settings_.height - 10, Escaped(settings_.x_label));
+                       settings_.height - 10, XmlText(settings_.x_label));
     svg += fmt::format("<text transform=\"translate(13 {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-                       kTop + height_ / 2, Escaped(settings_.y_label));
+                       kTop + height_ / 2, XmlText(settings_.y_label));
     if (!settings_.line) return svg;
     return svg + fmt::format(
                      "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#c0392b\" "
@@ -184,32 +184,6 @@ class Plot {
 };
 
 }  // namespace
-
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : PlainLine(text)) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
 
 std::string MakePlot(const std::vector<PlotPoint>& all, const PlotSettings& settings) {
   return Plot(FinitePoints(all), settings).Draw();

@@ -30,7 +30,4 @@ struct PlotSettings {
 // A line through the points, in their order, with bars. Points that are not finite are left out.
 std::string MakePlot(const std::vector<PlotPoint>& points, const PlotSettings& settings);
 
-// Text for XML and HTML: & < > " ' are escaped; characters that XML forbids are question marks.
-std::string Escaped(const std::string& text);
-
 }  // namespace troupe

@@ -75,7 +75,8 @@ class Command:
 
 COMMANDS = {
     "run": Command(("run", "all.json", "--in-process", "--headless"), left_out=(
-        "--in-process", "--headless", "--paused", "--from-tick", "--session", "--domain", "--ros", "--no-ros")),
+        "--in-process", "--headless", "--paused", "--from-tick", "--session", "--domain", "--ros", "--no-ros"),
+        only="--(?!ros|vda5050)"),  # the world has no vehicle
     "run --ros": Command(("run", "all.json", "--in-process", "--headless", "--ros", "--ros-interface", "lo", "--ros-domain",
                           str(DOMAIN - 100)), left_out=("--ros", "--ros-interface", "--ros-domain", "--ros-lockstep"),
                          only="--(no-)?ros", shows=False),
@@ -144,7 +145,7 @@ class Trials:
         text = subprocess.run([self.troupe, command.words[0], "--help"], capture_output=True, text=True, check=True,
                               env=self.environment).stdout
         text = text.partition("\nExamples:\n")[0]
-        names = re.findall(r"^  (?:-\w, *)?(--[a-z-]+)", text, re.MULTILINE)
+        names = re.findall(r"^  (?:-\w, *)?(--[a-z0-9-]+)", text, re.MULTILINE)
         return [name for name in dict.fromkeys(names)
                 if name not in (*command.left_out, "--help") and re.match(command.only, name)]
 

@@ -121,7 +121,7 @@ TEST(Robots, ControllersOfStageMapToOurs) {
   EXPECT_EQ(RobotOf("position( ctrl \"expand_pioneer\" )").controller.name, "expand");
   EXPECT_EQ(RobotOf("position( ctrl \"expand_swarm\" )").controller.name, "expand");
   for (const char* name : {"dynamic", "fasr", "fasr2", "fasr_plan", "follow", "go_to", "idle", "lanes", "lasernoise",
-                           "patrol", "pioneer_flocking", "rasterize", "sink", "slotcar", "source"}) {
+                           "patrol", "pioneer_flocking", "rasterize", "sink", "slotcar", "source", "vda5050"}) {
     EXPECT_EQ(RobotOf(std::string("position( ctrl \"") + name + "\" )").controller.name, name);
   }
   EXPECT_EQ(RobotOf("position( ctrl [\"fly\" \"wander\"] )").controller.name, "wander");

@@ -237,6 +237,7 @@ struct CommandRobot {
   std::optional<Twist> twist = {};
   std::vector<GripperOrder> grippers = {};
   std::optional<Goal> goal = {};
+  std::vector<FleetMessage> messages = {};  // each for one tick, whatever `ticks` says
   bool operator==(const CommandRobot&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -245,6 +246,7 @@ struct CommandRobot {
         Field{"twist", &CommandRobot::twist, "in R"},
         Field{"grippers", &CommandRobot::grippers},
         Field{"goal", &CommandRobot::goal},
+        Field{"messages", &CommandRobot::messages},
     };
   }
 };

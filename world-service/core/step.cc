@@ -142,6 +142,7 @@ StepResult Finish(StepWorkspace& workspace, const WorldState& before, const Tick
   CallLifts(orders, workspace);
   MoveDoors(orders, workspace);
   MoveLifts(workspace);
+  HandOverLoads(orders, workspace);
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
   MovePeople(workspace, people_pool);
@@ -217,6 +218,18 @@ Status CheckTextAndOrders(const Scene& scene, const Proposal& proposal) {
   // It is printed on terminals.
   if (!IsPlainLine(proposal.say)) {
     return BadInput("found a text with a control character or a byte that is not UTF-8, expected a line of UTF-8");
+  }
+  if (proposal.fleet.size() > kMaxFleetMessages) {
+    return BadInput("found " + std::to_string(proposal.fleet.size()) +
+                    " messages to a fleet control, expected at most " + std::to_string(kMaxFleetMessages));
+  }
+  for (const FleetMessage& message : proposal.fleet) {
+    if (!IsToVehicle(message.topic) && message.text.size() <= kMaxFleetBytes &&
+        message.text.find('\0') == std::string::npos) {
+      continue;
+    }
+    return BadInput(
+        "found a message to a fleet control that is too long, has a byte of value 0, or is not of a vehicle");
   }
   for (const Order& order : proposal.orders) {
     if (Status problem = CheckOrder(scene, proposal.robot, order); !problem.ok()) return problem;

@@ -216,6 +216,9 @@ void AddBuildingEvents(const Scene& scene, const WorldState& before, const World
 // Sets the placed objects that touch a support from above to rest on it. Nothing moves.
 void FindSupports(StepWorkspace& workspace);
 
+// Robots take objects and put them down (LoadOrder), after the robots have moved.
+void HandOverLoads(const TickOrders& orders, StepWorkspace& workspace);
+
 // Moves falling objects, lands them and finds their supports, from the lowest up. Call it when all robots have moved.
 void LetObjectsFall(StepWorkspace& workspace);
 

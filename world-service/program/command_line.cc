@@ -6,6 +6,7 @@
 #include "common/base/identity.h"
 #include "common/base/thread_pool.h"
 #include "ros/flags/ros_flags.h"
+#include "world-service/program/fleet_flags.h"
 #include "world-service/program/grid_flags.h"
 
 namespace troupe {
@@ -82,6 +83,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddWorldTopicFlags(app, line.ros.world, "ROS 2");
   AddPoseTopicFlags(app, line.ros.pose_topics, "ROS 2");
   AddLockstepFlags(app, line.ros.lockstep, "ROS 2");
+  AddFleetFlags(app, line.fleet, "Connect the vehicles to a fleet control through this MQTT broker");
   AddFaultsFlag(app, faults);
   app.set_version_flag("--version", std::string("world-service ") + VersionText());
 }

@@ -11,10 +11,12 @@
 
 #include "common/base/distinct_files.h"
 #include "common/base/identity.h"
+#include "common/base/print.h"
 #include "common/base/system_error.h"
 #include "recording/journal.h"
 #include "robot-agent/controller/create_controller.h"
 #include "ros/messages/names.h"
+#include "world-service/observers/fleet/fleet_gateway.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/replay/continued_run.h"
 #include "world-service/replay/journal_history.h"
@@ -244,6 +246,16 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
     Result<Recorders> recorders = MakeRecorders(*run.first_world, outputs, run.options.world_file, needs_memory);
     if (!recorders.ok()) return recorders.error();
     run.recorders = std::move(recorders).value();
+  }
+  if (!source.fleet.broker.url.empty()) {
+    const Result<mqtt::Broker> broker = BrokerOf(source.fleet.broker);
+    if (!broker.ok()) return broker.error();
+    Result<std::unique_ptr<RunObserver>> gateway =
+        MakeFleetGateway(broker.value(), source.fleet.wait_seconds, run.world(),
+                         [](const std::string& line) { PrintPlain(stderr, "{}\n", line); });
+    if (!gateway.ok()) return gateway.error();
+    run.fleet_gateway = std::move(gateway).value();
+    observers.push_back(run.fleet_gateway.get());
   }
   for (const std::unique_ptr<RunObserver>& recorder : run.recorders.observers) observers.push_back(recorder.get());
   run.history = MakeRunHistory(run.recorders.recordings);

@@ -20,6 +20,7 @@
 #include "ros/messages/ros_options.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/recorder.h"
+#include "world-service/program/fleet_flags.h"
 #include "world-service/service/requested_file.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_service.h"
@@ -37,6 +38,7 @@ struct RunSource {
   ServiceOptions service;  // without what follows from the file
   OutputFiles outputs;
   ros::RosOptions ros = ros::OptionsFromEnvironment();
+  FleetOptions fleet;
   std::optional<std::uint32_t> domain;  // of the run on DDS, which its robots cannot have in ROS; nothing: none
   bool resume = false;                  // the run of the journal in `outputs`
 };
@@ -52,9 +54,10 @@ struct PreparedRun {
   std::vector<NamedExpectation> expectations;           // of the scenario, for recordings that begin with the run
   std::vector<NamedRegion> regions;
   Recorders recorders;
-  std::unique_ptr<RunHistory> history;   // null: none
-  std::unique_ptr<RunObserver> gateway;  // to ROS 2; null: none
-  RosLockstep ros_lockstep;              // of the scenario, with the values of the command line
+  std::unique_ptr<RunHistory> history;         // null: none
+  std::unique_ptr<RunObserver> gateway;        // to ROS 2; null: none
+  std::unique_ptr<RunObserver> fleet_gateway;  // by VDA 5050; null: none
+  RosLockstep ros_lockstep;                    // of the scenario, with the values of the command line
 
   const WorldDescription& world() const { return scene->world(); }
 };

@@ -85,7 +85,7 @@ void RunControl::Remember(double now) {
 Status RunControl::CommandRobot(const control::CommandRobot& request, double now) {
   const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
   if (!robot) return BadInput("the world has no robot '" + request.name + "'");
-  RobotCommand command{*robot, request.twist, request.grippers, request.goal};
+  RobotCommand command{*robot, request.twist, request.grippers, request.goal, request.messages};
   // A goal without waypoints is a cancellation; the check below accepts none, so it is set aside for the check.
   const bool cancels_goal = command.goal && command.goal->waypoints.empty();
   if (cancels_goal) command.goal.reset();

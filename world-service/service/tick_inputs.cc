@@ -99,6 +99,7 @@ void RobotCommands::Add(const RobotCommand& command, std::uint64_t ticks) {
       robot.goal->value.number = ++goals_;
     }
   }
+  for (const FleetMessage& message : command.messages) robot.messages.push_back({message, 1});
   if (robot.empty()) robots_.erase(command.robot);
 }
 
@@ -111,6 +112,8 @@ std::vector<RobotCommand> RobotCommands::ForNextTick(const WorldDescription& wor
     if (of_robot.twist) of_robot.twist->sent = true;
     for (auto& [gripper, timed] : of_robot.grippers) timed.sent = true;
     if (of_robot.goal) of_robot.goal->sent = true;
+    const std::size_t most = std::min(of_robot.messages.size(), kMaxFleetMessages);
+    for (std::size_t i = 0; i < most; ++i) of_robot.messages[i].sent = true;
   }
   return Sent();
 }
@@ -124,7 +127,11 @@ std::vector<RobotCommand> RobotCommands::Sent() const {
       if (timed.sent) command.grippers.push_back(timed.value);
     }
     if (of_robot.goal && of_robot.goal->sent) command.goal = of_robot.goal->value;
-    if (command.twist || !command.grippers.empty() || command.goal) commands.push_back(std::move(command));
+    for (const Timed<FleetMessage>& message : of_robot.messages) {
+      if (message.sent) command.messages.push_back(message.value);
+    }
+    const bool is_empty = !command.twist && command.grippers.empty() && !command.goal && command.messages.empty();
+    if (!is_empty) commands.push_back(std::move(command));
   }
   return commands;
 }
@@ -139,6 +146,7 @@ std::vector<CommandInForce> RobotCommands::InForce() const {
     if (of_robot.twist) add(*of_robot.twist).twist = of_robot.twist->value;
     for (const auto& [gripper, timed] : of_robot.grippers) add(timed).grippers = {timed.value};
     if (of_robot.goal) add(*of_robot.goal).goal = of_robot.goal->value;
+    for (const Timed<FleetMessage>& message : of_robot.messages) add(message).messages = {message.value};
   }
   return commands;
 }
@@ -152,6 +160,9 @@ void RobotCommands::Restore(const std::vector<CommandInForce>& commands) {
       robot.grippers[order.gripper] = Timed<GripperOrder>{order, in_force.ticks, in_force.sent};
     }
     if (command.goal) robot.goal = Timed<Goal>{*command.goal, in_force.ticks, in_force.sent};
+    for (const FleetMessage& message : command.messages) {
+      robot.messages.push_back({message, in_force.ticks, in_force.sent});
+    }
   }
 }
 
@@ -164,6 +175,7 @@ void RobotCommands::Elapse() {
       entry = expires(entry->second) ? of_robot.grippers.erase(entry) : std::next(entry);
     }
     if (of_robot.goal && expires(*of_robot.goal)) of_robot.goal.reset();
+    std::erase_if(of_robot.messages, expires);
   }
   std::erase_if(robots_, [](const auto& entry) { return entry.second.empty(); });
 }

@@ -89,7 +89,8 @@ struct Timed {
 };
 
 // The commands to robots from outside of the simulation (tools, viewers), each in force for a number of ticks. A
-// command replaces the one before of the same kind: motion, each gripper, goal.
+// command replaces the one before of the same kind: motion, each gripper, goal. Messages of a fleet control queue up,
+// each for one tick.
 class RobotCommands {
  public:
   // Goals are numbered from the one after `last_goal` on: the robots of a run that is continued know other numbers.
@@ -117,7 +118,8 @@ class RobotCommands {
     std::optional<Timed<Twist>> twist;
     std::map<std::size_t, Timed<GripperOrder>> grippers;
     std::optional<Timed<Goal>> goal;
-    bool empty() const { return !twist && grippers.empty() && !goal; }
+    std::vector<Timed<FleetMessage>> messages;  // in the order of their arrival
+    bool empty() const { return !twist && grippers.empty() && !goal && messages.empty(); }
   };
   std::map<RobotId, OfRobot> robots_;
   std::uint32_t goals_;  // numbers them

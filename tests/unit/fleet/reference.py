@@ -640,6 +640,7 @@ class Fleet:
         self.newest = {}  # update id by order, of those that count as sent
         self.state = None
         self.places = {}  # of the ids of actions, where each was used first
+        self.ambiguous = set()  # ids of actions of orders that are instant actions, too
 
     def judge(self, line):
         if line["kind"] == "instant":
@@ -648,7 +649,7 @@ class Fleet:
             except Bad:
                 return {"message_form"}
             for action in message["actions"]:
-                self.places.setdefault(action["actionId"], "instant")
+                self.use(action["actionId"], "instant")
             return set()
         if line["kind"] != "order":
             return set()
@@ -660,7 +661,7 @@ class Fleet:
             return {"order_form"}
         for part in order["nodes"] + order["edges"]:
             for action in part["actions"]:
-                self.places.setdefault(action["actionId"], "order")
+                self.use(action["actionId"], "order")
         found = set()
         state = self.state
         if state and state["mode"] not in ("AUTOMATIC", "SEMIAUTOMATIC", "INTERVENED"):
@@ -674,10 +675,15 @@ class Fleet:
             if self.version == "3.0" and order["orderUpdateId"] != 0:
                 found.add("new_order_update_zero")
             if state and (state["nodes"] or state["edges"] or
-                          any(status not in FINAL and not self.is_instant(identity) for identity, status in state["actions"])):
+                          any(status not in FINAL and not self.is_instant(identity) and identity not in self.ambiguous
+                              for identity, status in state["actions"])):
                 found.add("new_order_when_idle")
         self.newest[order["orderId"]] = max(order["orderUpdateId"], self.newest.get(order["orderId"], 0))
         return found
+
+    def use(self, identity, place):
+        if self.places.setdefault(identity, place) != place:
+            self.ambiguous.add(identity)
 
     def is_instant(self, identity):
         return self.places.get(identity) == "instant"

@@ -79,6 +79,7 @@ void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& 
   OrdersToColumns<ChargeOrder>(for_each, wire.charging, arena);
   OrdersToColumns<JobOrder>(for_each, wire.jobs, arena);
   OrdersToColumns<WaitOrder>(for_each, wire.waits, arena);
+  OrdersToColumns<LoadOrder>(for_each, wire.loads, arena);
 }
 
 Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
@@ -95,6 +96,7 @@ Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& p
   if (problem.ok()) problem = OrdersFromColumns<ChargeOrder>("proposal of charging", wire.charging, add);
   if (problem.ok()) problem = OrdersFromColumns<JobOrder>("proposal of jobs", wire.jobs, add);
   if (problem.ok()) problem = OrdersFromColumns<WaitOrder>("proposal of waits", wire.waits, add);
+  if (problem.ok()) problem = OrdersFromColumns<LoadOrder>("proposal of loads", wire.loads, add);
   return problem;
 }
 
@@ -125,12 +127,15 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
   return {};
 }
 
-static_assert(kMemberCount<Proposal> == 6, "a new field of a proposal needs a column here");
+static_assert(kMemberCount<Proposal> == 7, "a new field of a proposal needs a column here");
 // A twist is an order of tools alone, which no proposal has.
-static_assert(std::variant_size_v<Order> == 11, "a new kind of order needs columns here, and in convert_order.cc");
+static_assert(std::variant_size_v<Order> == 12, "a new kind of order needs columns here, and in convert_order.cc");
 
 constexpr auto kMessages = [](auto& proposal) -> auto& {
   return proposal.messages;
+};
+constexpr auto kFleet = [](auto& proposal) -> auto& {
+  return proposal.fleet;
 };
 
 }  // namespace
@@ -159,6 +164,7 @@ troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
     joint_velocity = std::copy(proposal.joint_velocities.begin(), proposal.joint_velocities.end(), joint_velocity);
   }
   RowsToWire(message.proposals, kMessages, wire.messages, arena);
+  RowsToWire(message.proposals, kFleet, wire.fleet, arena);
   TextsToWire(message.proposals, wire.say, arena);
   OrdersToWire(message.proposals, wire, arena);
   arena.FillStrings(wire.reports, message.reports);
@@ -197,6 +203,7 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   }
   if (!velocities.empty()) return WrongJoints();
   Status problem = RowsFromWire("proposal of radio messages", wire.messages, kMessages, message.proposals);
+  if (problem.ok()) problem = RowsFromWire("proposal of fleet messages", wire.fleet, kFleet, message.proposals);
   if (problem.ok()) problem = TextsFromWire(wire.say, message.proposals);
   if (problem.ok()) problem = OrdersFromWire(wire, message.proposals);
   if (!problem.ok()) return problem;

@@ -194,6 +194,7 @@ const std::vector<StageControllerName>& KnownControllers() {
       {"sink", "sink", {"interval", "capacity"}},
       {"slotcar", "slotcar", {"speed", "turn_rate"}},
       {"source", "source", {"interval", "capacity"}},
+      {"vda5050", "vda5050", {"serial_number", "manufacturer"}},
       {"wander", "wander", {"speed", "min_distance"}},
   };
   return known;

@@ -248,7 +248,7 @@ TEST(CheckControllers, NamesTheLineOfAScenariosController) {
       path +
           ":2:39: error: unknown controller 'wonder', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, "
           "flock, follow, go_to, idle, lanes, lasernoise, patrol, pioneer_flocking, rasterize, script, sink, slotcar, "
-          "source, "
+          "source, vda5050, "
           "wander, "
           "or the path of a shared library (.so); did you mean 'wander'?");
 }

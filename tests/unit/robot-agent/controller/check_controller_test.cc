@@ -18,7 +18,7 @@ TEST(CheckControllerTest, BuiltInNamesAreSorted) {
   EXPECT_THAT(BuiltInControllers(),
               ElementsAre("dynamic", "expand", "fasr", "fasr2", "fasr_plan", "fetch", "flock", "follow", "go_to",
                           "idle", "lanes", "lasernoise", "patrol", "pioneer_flocking", "rasterize", "script", "sink",
-                          "slotcar", "source", "wander"));
+                          "slotcar", "source", "vda5050", "wander"));
 }
 
 struct Case {
@@ -51,7 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
             "fly", "{}",
             "unknown controller 'fly', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, follow, "
             "go_to, idle, lanes, lasernoise, "
-            "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, wander, or the path of a shared "
+            "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, vda5050, wander, or the path of a "
+            "shared "
             "library (.so)"},
         Case{
             "idle", "",
@@ -71,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(
              "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, "
              "follow, "
              "go_to, idle, lanes, lasernoise, "
-             "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, wander, or the path of a "
+             "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, vda5050, wander, or the path of a "
              "shared library (.so); did you mean 'wander'?"},
         Case{"wander", R"({"speed": "fast"})",
              "wander: found the string 'fast' as 'speed', expected a number between 0 and 100"},

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/xml_text.h"
 #include "testing/reports/case_report.h"
 #include "testing/reports/svg_plot.h"
 #include "tests/support/files.h"

@@ -59,7 +59,9 @@ FrameMessage SomeFrame() {
   RobotCommand drive{.robot = RobotId(0),
                      .twist = Twist{0.1, -0.2, 0.3},
                      .grippers = {{0, 50.0, std::nullopt}, {1, std::nullopt, 0.0}}};
-  RobotCommand go{.robot = RobotId(1), .goal = Goal{7, {{1.0, 2.0}, {3.0, -4.0}}, 0.5}};
+  RobotCommand go{.robot = RobotId(1),
+                  .goal = Goal{7, {{1.0, 2.0}, {3.0, -4.0}}, 0.5},
+                  .messages = {{FleetTopic::kInstantActions, "{}"}, {FleetTopic::kOrder, ""}}};
   frame.commands = {drive, go};
   return frame;
 }
@@ -67,15 +69,17 @@ FrameMessage SomeFrame() {
 ProposalMessage SomeProposal() {
   ProposalMessage message{.run = 77, .agent = 5, .tick = 12};
   const double infinity = std::numeric_limits<double>::infinity();
-  message.proposals = {{RobotId(2),
-                        {0.1, -0.0, infinity},
-                        {1.0, 2.0},
-                        {{1, std::nullopt, {7, 8}}},
-                        {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, infinity}, DoorOrder{1, 0.25},
-                         LiftOrder{0, 2, true}, TwistOrder{{0.5, -0.0, 1e-300}}, ChargeOrder{4, true}, ChargeOrder{},
-                         JobOrder{true, false, true}, WaitOrder{ModelId(3), 7}, WaitOrder{}},
-                        "hello"},
-                       {RobotId(4000000000), {}, {}, {{0, RobotId(2), {}}, {0, {}, {255}}}}};
+  message.proposals = {
+      {RobotId(2),
+       {0.1, -0.0, infinity},
+       {1.0, 2.0},
+       {{1, std::nullopt, {7, 8}}},
+       {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, infinity}, DoorOrder{1, 0.25},
+        LiftOrder{0, 2, true}, TwistOrder{{0.5, -0.0, 1e-300}}, ChargeOrder{4, true}, ChargeOrder{},
+        JobOrder{true, false, true}, WaitOrder{ModelId(3), 7}, WaitOrder{}, LoadOrder{ModelId(9), false, 1.5, -0.0}},
+       "hello",
+       {{FleetTopic::kState, "{\"orderId\":\"\"}"}}},
+      {RobotId(4000000000), {}, {}, {{0, RobotId(2), {}}, {0, {}, {255}}}}};
   message.reports = {"a report", ""};
   message.edition = 3;
   message.incarnation = 2;

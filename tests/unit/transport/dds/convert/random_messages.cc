@@ -336,7 +336,9 @@ ProposalMessage RandomMessages::Proposal() {
       orders.push_back(ChargeOrder{static_cast<std::uint32_t>(Below(50)), Coin()});
     for (std::size_t i = Below(2); i > 0; --i) orders.push_back(JobOrder{Coin(), Coin(), Coin()});
     for (std::size_t i = Below(2); i > 0; --i) orders.push_back(WaitOrder{MaybeId<ModelId>(50), {}});
+    for (std::size_t i = Below(2); i > 0; --i) orders.push_back(LoadOrder{ModelId(Below(50)), Coin(), Number(), 0.5});
     if (Coin()) message.proposals.back().say = Text();
+    for (std::size_t i = Below(3); i > 0; --i) message.proposals.back().fleet.push_back({FleetTopic::kState, Text()});
     robot += 1 + Below(10);
   }
   message.reports = Texts();

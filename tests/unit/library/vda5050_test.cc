@@ -1,0 +1,465 @@
+// The controller `vda5050` in whole simulations: orders and instant actions as a fleet control sends them, in
+// worlds/fleet_hall.world. Each message of both sides goes through the checker of fleet/checker.h, too.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fleet/checker.h"
+#include "fleet/codec.h"
+#include "troupe/simulation.h"
+
+namespace troupe {
+namespace {
+
+using fleet::ActionStatus;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// A node of an order with a place and the actions there.
+struct Stop {
+  std::string id;
+  double x = 0.0;
+  double y = 0.0;
+  std::vector<fleet::Action> actions = {};
+  std::optional<double> theta = {};
+};
+
+fleet::Action ActionOf(const std::string& type, const std::string& id,
+                       const std::vector<std::pair<std::string, std::string>>& parameters = {},
+                       fleet::BlockingType blocking = fleet::BlockingType::kHard) {
+  fleet::Action action;
+  action.type = type;
+  action.id = id;
+  action.blocking_type = blocking;
+  if (!parameters.empty()) action.parameters.emplace();
+  for (const auto& [key, value] : parameters) {
+    action.parameters->push_back({key, fleet::ParameterValue::Of(value)});
+  }
+  return action;
+}
+
+std::string WorldsPath(const std::string& name) {
+  return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/" + name;
+}
+
+class FleetOfHall {
+ public:
+  explicit FleetOfHall(const std::string& robot = "cart_1", fleet::Version version = fleet::Version::k2_1,
+                       const std::string& file = WorldsPath("scenarios/vda5050.json"))
+      : version_(version), robot_name_(robot), simulation_(Load(file)) {
+    robot_ = *simulation_.FindRobot(robot);
+  }
+
+  Simulation& simulation() { return simulation_; }
+  RobotId robot() const { return robot_; }
+  const fleet::State& state() const { return *state_; }
+  const std::vector<std::string>& verdicts() const { return verdicts_; }
+  std::size_t states() const { return states_; }
+  Pose pose() const { return simulation_.pose(robot_); }
+
+  Vec2 PlaceOf(const std::string& entity) const { return simulation_.FindPose(entity).value().translation(); }
+
+  void Step(Tick ticks = 1) {
+    for (Tick i = 0; i < ticks; ++i) {
+      simulation_.Step();
+      for (const Simulation::FleetOutput& output : simulation_.fleet_outputs()) {
+        if (output.robot != robot_) continue;
+        if (states_ == 0) Check("connection", OnlineText());
+        Check(std::string(NameOf(output.message.topic)), output.message.text);
+        if (output.message.topic != FleetTopic::kState) continue;
+        const fleet::Decoded<fleet::State> decoded = fleet::Decode<fleet::State>(output.message.text, version_);
+        EXPECT_THAT(decoded.faults, IsEmpty()) << output.message.text;
+        EXPECT_THAT(decoded.lenient, IsEmpty()) << output.message.text;
+        state_ = decoded.message;
+        ++states_;
+      }
+    }
+  }
+
+  // Steps until it is true; false after `seconds` of simulated time.
+  bool StepUntil(const std::function<bool()>& is_true, double seconds = 60.0) {
+    const double end = simulation_.time() + seconds;
+    while (!(state_ && is_true())) {
+      if (simulation_.time() > end) return false;
+      Step();
+    }
+    return true;
+  }
+
+  // With the newest order.
+  bool IsDone() const {
+    return state_->order_id == order_id_ && state_->order_update_id == order_update_id_ &&
+           state_->node_states.empty() && !HasOpenAction();
+  }
+  bool HasOpenAction() const {
+    for (const fleet::ActionState& action : state_->action_states) {
+      if (!fleet::IsFinal(action.status)) return true;
+    }
+    return false;
+  }
+  ActionStatus StatusOf(const std::string& id) const {
+    for (const auto* const list : {&state_->action_states, &state_->instant_action_states}) {
+      for (const fleet::ActionState& action : *list) {
+        if (action.action_id == id) return action.status;
+      }
+    }
+    ADD_FAILURE() << "no action " << id;
+    return ActionStatus::kWaiting;
+  }
+  bool HasError(const std::string& type) const {
+    for (const fleet::VehicleError& error : state_->errors) {
+      if (error.type == type) return true;
+    }
+    return false;
+  }
+
+  fleet::Order OrderOf(const std::string& id, const std::vector<Stop>& stops) const {
+    fleet::Order order;
+    order.order_id = id;
+    for (std::size_t i = 0; i < stops.size(); ++i) {
+      const Stop& stop = stops[i];
+      fleet::Node node;
+      node.id = stop.id;
+      node.sequence_id = static_cast<std::uint32_t>(2 * i);
+      node.released = true;
+      node.position.emplace();
+      node.position->x = stop.x;
+      node.position->y = stop.y;
+      node.position->theta = stop.theta;
+      node.position->map_id = "hall";
+      node.actions = stop.actions;
+      if (i > 0) {
+        fleet::Edge edge;
+        edge.id = stops[i - 1].id + "-" + stop.id;
+        edge.sequence_id = static_cast<std::uint32_t>(2 * i - 1);
+        edge.released = true;
+        edge.start_node_id = stops[i - 1].id;
+        edge.end_node_id = stop.id;
+        order.edges.push_back(edge);
+      }
+      order.nodes.push_back(node);
+    }
+    return order;
+  }
+
+  void Send(fleet::Order order) {
+    order.header = Header(orders_);
+    order_id_ = order.order_id;
+    order_update_id_ = order.order_update_id;
+    Give(FleetTopic::kOrder, fleet::Encode(order, version_));
+  }
+  void Send(const std::vector<fleet::Action>& actions) {
+    fleet::InstantActions message;
+    message.header = Header(instant_actions_);
+    message.actions = actions;
+    Give(FleetTopic::kInstantActions, fleet::Encode(message, version_));
+  }
+  // Without the checker, which would blame the fleet control.
+  void SendText(FleetTopic topic, const std::string& text) {
+    EXPECT_TRUE(simulation_.SendMessage(robot_, {topic, text}).ok());
+  }
+
+ private:
+  static Simulation Load(const std::string& file) {
+    Result<Simulation> loaded = Simulation::Load(file);
+    if (!loaded.ok()) throw std::runtime_error(loaded.error().ToString());
+    return std::move(loaded).value();
+  }
+
+  std::int64_t Now() const {
+    return *fleet::ParseTimestamp("2026-01-01T00:00:00Z") + std::llround(simulation_.time() * 1e3);
+  }
+  fleet::Header Header(std::uint32_t& count) const {
+    return {count++, fleet::FormatTimestamp(Now(), version_), fleet::VersionText(version_), "Troupe", robot_name_};
+  }
+  std::string OnlineText() {
+    fleet::Connection message;
+    message.header = Header(connections_);
+    message.state = fleet::ConnectionState::kOnline;
+    return fleet::Encode(message, version_);
+  }
+  void Check(const std::string& topic, const std::string& text) {
+    fleet::ObservedMessage message;
+    message.manufacturer = "Troupe";
+    message.serial_number = robot_name_;
+    message.topic = *FindByName<fleet::Topic>(topic);
+    message.payload = text;
+    message.milliseconds = Now();
+    fleet::CheckerOptions options;
+    options.version = version_;
+    for (const fleet::Verdict& verdict : fleet::CheckMessage(checker_, message, options)) {
+      verdicts_.push_back(verdict.ToString());
+    }
+  }
+  void Give(FleetTopic topic, const std::string& text) {
+    Check(std::string(NameOf(topic)), text);
+    SendText(topic, text);
+  }
+
+  fleet::Version version_;
+  std::string robot_name_;
+  Simulation simulation_;
+  RobotId robot_;
+  std::optional<fleet::State> state_;
+  std::size_t states_ = 0;
+  fleet::CheckerMemory checker_;
+  std::vector<std::string> verdicts_;
+  std::string order_id_;
+  std::uint32_t order_update_id_ = 0;
+  std::uint32_t orders_ = 0;
+  std::uint32_t instant_actions_ = 0;
+  std::uint32_t connections_ = 0;
+};
+
+// From where cart_1 stands.
+const std::vector<Stop> kToTheEast = {{"w", -3.0, 0.0}, {"m", 0.0, 0.0}, {"e", 3.0, 0.0}};
+
+TEST(Vda5050, DrivesItsBaseAndReportsEachNode) {
+  FleetOfHall fleet;
+  fleet.Step();
+  EXPECT_EQ(fleet.states(), 1U);
+  fleet.Send(fleet.OrderOf("o1", kToTheEast));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().last_node_id == "m"; }));
+  EXPECT_NEAR(fleet.pose().x, 0.0, 0.2);  // it drives on
+  EXPECT_TRUE(fleet.state().driving);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone() && !fleet.state().driving; }));
+  EXPECT_EQ(fleet.state().last_node_id, "e");
+  EXPECT_NEAR(fleet.pose().x, 3.0, 0.03);
+  EXPECT_NEAR(fleet.pose().y, 0.0, 0.03);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+  EXPECT_THAT(fleet.simulation().failures(), IsEmpty());
+}
+
+TEST(Vda5050, StopsAtTheEndOfItsBase) {
+  FleetOfHall fleet;
+  fleet.Step();
+  fleet::Order order = fleet.OrderOf("o1", kToTheEast);
+  order.nodes[2].released = order.edges[1].released = false;
+  fleet.Send(order);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().last_node_id == "m" && !fleet.state().driving; }));
+  fleet.Step(100);
+  EXPECT_NEAR(fleet.pose().x, 0.0, 0.03);
+  EXPECT_TRUE(fleet.state().new_base_request.value_or(false));
+  // The update begins with the end of the base.
+  fleet::Order update = fleet.OrderOf("o1", {kToTheEast[1], kToTheEast[2]});
+  update.order_update_id = 1;
+  update.nodes[0].sequence_id = 2;
+  update.edges[0].sequence_id = 3;
+  update.nodes[1].sequence_id = 4;
+  fleet.Send(update);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone() && fleet.state().last_node_id == "e"; }));
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, CarriesAPalletFromRackToRack) {
+  for (const fleet::Version version : {fleet::Version::k2_1, fleet::Version::k3_0}) {
+    FleetOfHall fleet(version == fleet::Version::k2_1 ? "cart_1" : "cart_2", version);
+    // The other one makes room.
+    const char* const other = version == fleet::Version::k2_1 ? "cart_2" : "cart_1";
+    ASSERT_TRUE(fleet.simulation().SetPose(other, {-6.0, -3.0, 0.0, 0.0}).ok());
+    fleet.Step();
+    const Stop start = {"s", fleet.pose().x, fleet.pose().y};
+    fleet.Send(fleet.OrderOf("o1", {start,
+                                    {"a", -5.0, 1.0, {ActionOf("pick", "p1", {{"loadId", "pallet_1"}})}, 0.0},
+                                    {"b", 5.0, 1.0, {ActionOf("drop", "d1", {{"stationName", "rack_b"}})}}}));
+    ASSERT_TRUE(fleet.StepUntil([&] { return !fleet.state().loads->empty(); }));
+    EXPECT_EQ(fleet.state().loads->front().id, "pallet_1");
+    EXPECT_EQ(fleet.StatusOf("p1"), ActionStatus::kFinished);
+    ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); })) << fleet.pose().x;
+    EXPECT_EQ(fleet.StatusOf("d1"), ActionStatus::kFinished);
+    EXPECT_THAT(*fleet.state().loads, IsEmpty());
+    EXPECT_LT((fleet.PlaceOf("pallet_1") - Vec2(5.0, 2.2)).norm(), 0.01);
+    fleet.Step(20);
+    EXPECT_NEAR(fleet.simulation().FindPose("pallet_1").value().z, 0.25, 1e-6);  // on the rack
+    EXPECT_THAT(fleet.verdicts(), IsEmpty());
+  }
+}
+
+TEST(Vda5050, AGripperTakesWhatIsBetweenItsFingers) {
+  const std::string file = testing::TempDir() + "vda5050_test.world";
+  std::ofstream(file) << "include \"" << WorldsPath("include/grippers.inc") << R"("
+    stacker( name "s1" pose [0 0 0 0] ctrl "vda5050 map=hall" )
+    cube( name "cube" pose [1.4 0 0 0] ))";
+  FleetOfHall fleet("s1", fleet::Version::k2_1, file);
+  fleet.Step();
+  fleet.Send(
+      fleet.OrderOf("o1", {{"a", 0.0, 0.0, {ActionOf("pick", "p0")}}, {"b", 1.0, 0.0, {ActionOf("pick", "p1")}}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("p0"), ActionStatus::kFailed);  // nothing is there
+  EXPECT_TRUE(fleet.HasError("loadNotFound"));
+  EXPECT_EQ(fleet.StatusOf("p1"), ActionStatus::kFinished);
+  ASSERT_EQ(fleet.state().loads->size(), 1U);
+  EXPECT_EQ(fleet.state().loads->front().id, "cube");
+  EXPECT_GT(fleet.simulation().FindPose("cube").value().z, 0.5);
+  fleet.Send(fleet.OrderOf("o2", {{"b", 1.0, 0.0}, {"c", 0.5, 0.0, {ActionOf("drop", "d1")}}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("d1"), ActionStatus::kFinished);
+  EXPECT_THAT(*fleet.state().loads, IsEmpty());
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, FailsWithoutALoadOrRoomForIt) {
+  FleetOfHall fleet;
+  fleet.Step();
+  const Stop start = {"s", -3.0, 0.0};
+  fleet.Send(fleet.OrderOf("o1", {start, {"m", 0.0, 0.0, {ActionOf("pick", "p1")}}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("p1"), ActionStatus::kFailed);
+  EXPECT_TRUE(fleet.HasError("loadNotFound"));
+  fleet.Send(fleet.OrderOf("o2", {{"m", 0.0, 0.0},
+                                  {"a", -5.0, 1.0, {ActionOf("pick", "p2", {{"loadId", "pallet_1"}})}},
+                                  {"a2", -4.6, 1.0, {ActionOf("drop", "d2", {{"stationName", "pallet_2"}})}}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("p2"), ActionStatus::kFinished);
+  EXPECT_EQ(fleet.StatusOf("d2"), ActionStatus::kFailed);
+  EXPECT_TRUE(fleet.HasError("noRoomForLoad"));
+  EXPECT_EQ(fleet.state().loads->size(), 1U);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, StandsBeforeAnObstacleAndReportsIt) {
+  FleetOfHall fleet;
+  ASSERT_TRUE(fleet.simulation().SetPose("pallet_2", {1.0, 0.0, 0.0, 0.0}).ok());
+  fleet.Step();
+  fleet.Send(fleet.OrderOf("o1", kToTheEast));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("pathBlocked"); }));
+  EXPECT_THAT(*fleet.state().errors.front().description, HasSubstr("pallet_2"));
+  EXPECT_LT(fleet.pose().x, 0.4);
+  EXPECT_FALSE(fleet.simulation().state().robots[fleet.robot().index()].stalled);
+  ASSERT_TRUE(fleet.simulation().SetPose("pallet_2", {1.0, 3.0, 0.0, 0.0}).ok());
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_FALSE(fleet.HasError("pathBlocked"));
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, ChargesAtAChargerOnly) {
+  FleetOfHall fleet;
+  fleet.Step();
+  fleet.Send({ActionOf("startCharging", "c0")});
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().action_states.size() == 1 && !fleet.HasOpenAction(); }));
+  EXPECT_EQ(fleet.StatusOf("c0"), ActionStatus::kFailed);
+  EXPECT_TRUE(fleet.HasError("notAtCharger"));
+  fleet.Send(fleet.OrderOf("o1", {kToTheEast[0], kToTheEast[1], {"c", 0.0, -2.8, {ActionOf("startCharging", "c1")}}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("c1"), ActionStatus::kFinished);
+  EXPECT_TRUE(fleet.state().power_supply.charging);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, PausesGoesOnAndCancels) {
+  FleetOfHall fleet;
+  fleet.Step();
+  fleet.Send(fleet.OrderOf("o1", kToTheEast));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.pose().x > -2.0; }));
+  fleet.Send({ActionOf("startPause", "i1")});
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().paused.value_or(false) && !fleet.state().driving; }));
+  const double x = fleet.pose().x;
+  fleet.Step(50);
+  EXPECT_EQ(fleet.pose().x, x);
+  EXPECT_EQ(fleet.StatusOf("i1"), ActionStatus::kFinished);
+  fleet.Send({ActionOf("stopPause", "i2")});
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.pose().x > x + 0.5; }));
+  fleet.Send({ActionOf("cancelOrder", "i3")});
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().node_states.empty(); }));
+  EXPECT_EQ(fleet.StatusOf("i3"), ActionStatus::kFinished);
+  EXPECT_EQ(fleet.state().order_id, "o1");
+  EXPECT_LT(fleet.pose().x, 0.0);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, IsManualWhileAUserDrivesIt) {
+  FleetOfHall fleet;
+  fleet.Step();
+  fleet.Send(fleet.OrderOf("o1", kToTheEast));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.pose().x > -2.5; }));
+  ASSERT_TRUE(fleet.simulation().DriveBy(fleet.robot(), {-0.2, 0.0, 0.0}).ok());
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().operating_mode == fleet::OperatingMode::kManual; }));
+  EXPECT_THAT(fleet.state().node_states, IsEmpty());
+  fleet.simulation().Release(fleet.robot());
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().operating_mode == fleet::OperatingMode::kAutomatic; }));
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, FollowsACurveWithTheSpeedOfTheEdge) {
+  FleetOfHall fleet;
+  fleet.Step();
+  fleet::Order order = fleet.OrderOf("o1", {{"w", -3.0, 0.0}, {"n", 0.0, 2.0}});
+  // A quarter of an ellipse, as a rational curve of degree 2.
+  fleet::Trajectory& curve = order.edges[0].trajectory.emplace();
+  curve.degree = 2;
+  curve.knot_vector = {{0.0, 0.0, 0.0, 1.0, 1.0, 1.0}};
+  curve.control_points = {{-3.0, 0.0, 1.0}, {0.0, 0.0, std::sqrt(0.5)}, {0.0, 2.0, 1.0}};
+  order.edges[0].maximum_speed = 0.4;
+  fleet.Send(order);
+  double worst = 0.0;
+  double fastest = 0.0;
+  ASSERT_TRUE(fleet.StepUntil([&] {
+    const Pose pose = fleet.pose();
+    const double dx = (pose.x + 3.0) / 3.0;
+    const double dy = (pose.y - 2.0) / 2.0;
+    worst = std::max(worst, std::fabs(std::sqrt(dx * dx + dy * dy) - 1.0));
+    fastest = std::max(fastest, fleet.simulation().state().robots[fleet.robot().index()].twist.vx);
+    return fleet.state().last_node_id == "n";
+  }));
+  EXPECT_LT(worst, 0.05);
+  EXPECT_NEAR(fastest, 0.4, 0.01);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, RejectsWhatItCannotRead) {
+  FleetOfHall fleet;
+  fleet.Step();
+  for (const char* const text : {"", "{", "[]", "{\"orderId\":\"x\"}", "\xff\xfe"}) {
+    fleet.SendText(FleetTopic::kOrder, text);
+    fleet.Step();
+    EXPECT_TRUE(fleet.HasError("validationError")) << text;
+    fleet.SendText(FleetTopic::kInstantActions, text);
+    fleet.Step();
+  }
+  EXPECT_THAT(fleet.simulation().failures(), IsEmpty());
+  // Beyond all worlds.
+  fleet::Order far = fleet.OrderOf("o0", {kToTheEast[0], {"far", 1e300, 0.0}});
+  far.header = {0, "2026-01-01T00:00:00.00Z", "2.1.0", "Troupe", "cart_1"};
+  fleet.SendText(FleetTopic::kOrder, fleet::Encode(far, fleet::Version::k2_1));
+  fleet.Step();
+  EXPECT_EQ(fleet.state().order_id, "");
+  // Of another major version.
+  fleet::Order order = fleet.OrderOf("o1", kToTheEast);
+  order.header = {0, "2026-01-01T00:00:00.00Z", "1.1.0", "Troupe", "cart_1"};
+  fleet.SendText(FleetTopic::kOrder, fleet::Encode(order, fleet::Version::k2_1));
+  fleet.Step();
+  EXPECT_TRUE(fleet.HasError("validationError"));
+  EXPECT_EQ(fleet.state().order_id, "");
+}
+
+TEST(Vda5050, ContinuesFromASnapshotBitForBit) {
+  FleetOfHall fleet;
+  fleet.Step();
+  fleet.Send(fleet.OrderOf("o1", kToTheEast));
+  fleet.Step(40);
+  Simulation& simulation = fleet.simulation();
+  const Snapshot snapshot = simulation.Save().value();
+  std::vector<std::string> texts[2];
+  std::uint64_t hashes[2] = {0, 0};
+  for (int i = 0; i < 2; ++i) {
+    if (i == 1) ASSERT_TRUE(simulation.Restore(snapshot).ok());
+    for (int k = 0; k < 100; ++k) {
+      simulation.Step();
+      for (const Simulation::FleetOutput& output : simulation.fleet_outputs()) texts[i].push_back(output.message.text);
+    }
+    hashes[i] = simulation.state_hash();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(texts[0], texts[1]);
+  EXPECT_FALSE(texts[0].empty());
+}
+
+}  // namespace
+}  // namespace troupe
