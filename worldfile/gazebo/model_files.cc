@@ -62,13 +62,7 @@ bool ModelFiles::Exists(const std::string& path) const {
 Result<std::string> ModelFiles::Find(const std::string& uri, const std::string& naming_file,
                                      const SourceLocation& where) const {
   if (uri.empty()) return Error{where, "found an empty URI, expected that of a file"};
-  for (const char* scheme : {"http://", "https://", "fuel://"}) {
-    if (uri.starts_with(scheme)) {
-      return Error{where, "found " + QuotedPath(uri) +
-                              ", which is on a server, expected a file of this machine: download it, and name it "
-                              "by model://"};
-    }
-  }
+  if (uri.starts_with("http://") || uri.starts_with("https://")) return FindDownloaded(uri, naming_file, where);
   std::optional<std::string> name = After(uri, "model://");
   if (!name) name = After(uri, "package://");
   std::string path = uri;
@@ -86,6 +80,37 @@ Result<std::string> ModelFiles::Find(const std::string& uri, const std::string& 
   }
   return Error{where, "found no file for " + QuotedPath(uri) + " in " + Quoted(sought, 300) +
                           ", expected one there: --model-path DIR or GZ_SIM_RESOURCE_PATH name further folders"};
+}
+
+// ".../1.0/OWNER/models/NAME": where Gazebo keeps what it has downloaded, else a folder NAME of the search.
+Result<std::string> ModelFiles::FindDownloaded(const std::string& uri, const std::string& naming_file,
+                                               const SourceLocation& where) const {
+  std::vector<std::string> parts;
+  std::istringstream stream(uri);
+  for (std::string part; std::getline(stream, part, '/');) parts.push_back(part);
+  // https:, "", server, version, owner, "models", name, perhaps more
+  if (parts.size() >= 7 && parts[5] == "models") {
+    const auto lower = [](std::string text) {
+      for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+      return text;
+    };
+    const char* const home = std::getenv("HOME");
+    for (const char* const folder : {".gz/fuel", ".ignition/fuel"}) {
+      const fs::path kept = fs::path(home != nullptr ? home : "/") / folder / parts[2] / lower(parts[4]) / "models" / lower(parts[6]);
+      int newest = -1;
+      for (int version = 0; version < 100; ++version) {
+        if (Exists((kept / std::to_string(version)).string())) newest = version;
+      }
+      if (newest >= 0) return (kept / std::to_string(newest)).string();
+    }
+    for (const fs::path& folder : SearchFolders(naming_file)) {
+      const std::string candidate = (folder / parts[6]).lexically_normal().string();
+      if (Exists(candidate)) return candidate;
+    }
+  }
+  return Error{where, "found " + QuotedPath(uri) +
+                          ", which is on a server, expected a model of this machine: one that Gazebo has downloaded, or "
+                          "a folder of its name on --model-path"};
 }
 
 Result<std::string> ModelFiles::FindModel(const std::string& uri, const std::string& naming_file,

@@ -3,7 +3,7 @@
 // Search, for a URI with a name: the folders of GZ_SIM_RESOURCE_PATH (to which --model-path adds), of
 // IGN_GAZEBO_RESOURCE_PATH, GAZEBO_MODEL_PATH, GAZEBO_RESOURCE_PATH and ROS_PACKAGE_PATH (separated by colons), the
 // folder share of each of AMENT_PREFIX_PATH, then beside the naming file: its folder and the four above it, and the folder `models` in each.
-// What is read is kept, so that a mesh of a hundred models is read once. The number and bytes of files are limited.
+// Models of Fuel (https://) are those that Gazebo has downloaded, else a folder of their name. What is read is kept, so that a mesh of a hundred models is read once. The number and bytes of files are limited.
 #pragma once
 
 #include <map>
@@ -41,6 +41,8 @@ class ModelFiles {
   const std::vector<std::string>& files() const { return files_; }
 
  private:
+  Result<std::string> FindDownloaded(const std::string& uri, const std::string& naming_file,
+                                     const SourceLocation& where) const;
   Result<std::string> ReadText(const std::string& path, const SourceLocation& where);
   bool Exists(const std::string& path) const;
 

@@ -66,7 +66,8 @@ std::string TopicOf(const XmlElement& sensor, bool is_camera) {
          is_last("rgb") || is_last("color")) {
     parts.pop_back();
   }
-  if (parts.empty()) {
+  const bool is_usual = parts.size() == 1 && (parts[0] == "image_raw" || parts[0] == "image" || parts[0] == "data");
+  if (parts.empty() || is_usual) {
     if (!is_camera) return "";
     const std::string camera = FindText(sensor, {"cameraName", "camera_name"});
     return camera.empty() ? XmlValues::Attribute(sensor, "name") : PartsOfTopic(camera).back();

@@ -11,6 +11,8 @@ namespace {
 constexpr int kRoundSides = 32;
 constexpr int kRings = 8;                // of a half of a sphere
 constexpr double kThinnest = 1e-4;       // m, of a block's height
+// m: the footprint of a lower band says nothing, because its height is an error of less.
+constexpr double kLowBand = 0.01;
 constexpr double kStraight = 5e-4;       // m: corners nearer to the line between their neighbours are left out
 constexpr double kSheetThickness = 0.01;  // m, of a wall without one
 
@@ -214,6 +216,7 @@ class BandMaker {
     const Polygon bottom = HullOf(std::move(at_low));
     const Polygon top = HullOf(std::move(at_high));
     for (const Vec2& corner : band.hull) {
+      if (high - low <= kLowBand) break;
       band.error = std::max({band.error, DistanceTo(bottom, corner), DistanceTo(top, corner)});
     }
     return band;
@@ -268,7 +271,7 @@ SolidBlocks HullsInBands(const std::vector<Vec3>& points, const std::vector<std:
   while (bands.size() < detail.bands) {
     const auto worst =
         std::max_element(bands.begin(), bands.end(), [](const Band& a, const Band& b) { return a.error < b.error; });
-    if (worst->error <= detail.error || worst->high - worst->low < 4.0 * kThinnest) break;
+    if (worst->error <= detail.error) break;
     const double middle = 0.5 * (worst->low + worst->high);
     Band upper = maker.Make(middle, worst->high);
     *worst = maker.Make(worst->low, middle);

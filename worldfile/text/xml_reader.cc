@@ -151,7 +151,8 @@ class XmlParser {
   // Appends the text up to byte `to`, with its references replaced.
   void Decode(std::size_t to, std::string& out) {
     while (at_ < to && !error_) {
-      const std::size_t reference = std::min(text_.find('&', at_), to);
+      // Within the text: a search to the end of the file for each element would be quadratic.
+      const std::size_t reference = at_ + std::min(text_.substr(at_, to - at_).find('&'), to - at_);
       out += text_.substr(at_, reference - at_);
       Advance(reference);
       if (reference < to) Reference(to, out);
@@ -159,9 +160,10 @@ class XmlParser {
   }
 
   void Reference(std::size_t to, std::string& out) {
-    const std::size_t semicolon = text_.find(';', at_);
     // No reference that is known is longer than "&#x10ffff;".
-    if (semicolon == std::string_view::npos || semicolon >= to || semicolon - at_ > 10) {
+    const std::size_t length = text_.substr(at_, std::min<std::size_t>(to - at_, 11)).find(';');
+    const std::size_t semicolon = at_ + length;
+    if (length == std::string_view::npos) {
       // Addresses in plugins have bare ampersands: their authors mean the character.
       out += '&';
       Advance(at_ + 1);
