@@ -10,6 +10,7 @@
 #include "worldfile/gazebo/model_node.h"
 #include "worldfile/gazebo/sdf_file.h"
 #include "worldfile/gazebo/urdf_file.h"
+#include "worldfile/gazebo/xacro_expand.h"
 #include "worldfile/sites/node_maker.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
@@ -32,18 +33,18 @@ void AddFiles(const std::vector<std::string>& files, WorldTree& tree) {
 // The models of a file of any kind.
 Result<SdfWorld> ReadModels(const std::string& path, const SourceLocation& where, ModelFiles& files,
                             Diagnostics& diagnostics) {
-  if (IsXacroPath(path)) {
-    // The program reads files of its own choice.
-    if (files.allowed().Resolve("/") == std::nullopt) {
-      return Error{where, "found a file of macros, " + QuotedPath(path) + ", expected URDF: programs may not be run here"};
-    }
-    const Result<std::string> text = RunXacro(path);
-    if (!text.ok()) return text.error();
-    const auto kept = files.KeepXml(text.value(), path);
-    if (!kept.ok()) return kept.error();
-  }
   const auto root = files.ReadXml(path, where);
   if (!root.ok()) return root.error();
+  if (HasXacro(*root.value())) {
+    // The program reads files of its own choice: not for a stranger.
+    const bool may_run = files.allowed().Resolve("/").has_value();
+    const Result<std::optional<std::string>> text = may_run ? RunXacro(path) : std::optional<std::string>();
+    if (!text.ok()) return text.error();
+    Result<XmlElement> expanded =
+        text.value() ? ParseXml(*text.value(), path) : ExpandXacro(*root.value(), path, files);
+    if (!expanded.ok()) return expanded.error();
+    files.ReplaceXml(path, std::move(expanded).value());
+  }
   return ReadSdf(path, files, diagnostics);
 }
 

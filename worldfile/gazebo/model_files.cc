@@ -157,15 +157,15 @@ Result<std::shared_ptr<const XmlElement>> ModelFiles::ReadXml(const std::string&
   if (const auto found = xml_.find(path); found != xml_.end()) return found->second;
   const Result<std::string> text = ReadText(path, where);
   if (!text.ok()) return text.error();
-  return KeepXml(text.value(), path);
-}
-
-Result<std::shared_ptr<const XmlElement>> ModelFiles::KeepXml(const std::string& text, const std::string& path) {
-  Result<XmlElement> root = ParseXml(text, path);
+  Result<XmlElement> root = ParseXml(text.value(), path);
   if (!root.ok()) return root.error();
   auto kept = std::make_shared<const XmlElement>(std::move(root).value());
   xml_.emplace(path, kept);
   return kept;
+}
+
+void ModelFiles::ReplaceXml(const std::string& path, XmlElement root) {
+  xml_[path] = std::make_shared<const XmlElement>(std::move(root));
 }
 
 Result<std::shared_ptr<const TriangleMesh>> ModelFiles::ReadMesh(const std::string& path, const SourceLocation& where) {

@@ -31,8 +31,8 @@ class ModelFiles {
 
   // The root of an XML file. `where`: what names it.
   Result<std::shared_ptr<const XmlElement>> ReadXml(const std::string& path, const SourceLocation& where);
-  // The same of a text that is known, such as the output of a program.
-  Result<std::shared_ptr<const XmlElement>> KeepXml(const std::string& text, const std::string& path);
+  // Another root for the file, such as the one with its macros applied.
+  void ReplaceXml(const std::string& path, XmlElement root);
 
   Result<std::shared_ptr<const TriangleMesh>> ReadMesh(const std::string& path, const SourceLocation& where);
 

@@ -22,10 +22,6 @@ class UrdfReader {
     model_.name = XmlValues::Attribute(robot, "name", "robot");
     model_.where = values_.At(robot);
     for (const XmlElement& child : robot.children) {
-      if (child.name.starts_with("xacro:")) {
-        values_.Fail(child, "found " + Quoted(child.name) + ", expected URDF: name the file .xacro, and the program "
-                            "'xacro' expands it");
-      }
       if (child.name == "material") AddMaterial(child);
     }
     for (const XmlElement& child : robot.children) {
@@ -215,10 +211,6 @@ class UrdfReader {
 std::optional<RigidModel> ReadUrdf(const XmlElement& robot, const std::string& path, ModelFiles& files,
                                    Diagnostics& diagnostics) {
   return UrdfReader(path, files, diagnostics).Read(robot);
-}
-
-bool IsXacroPath(const std::string& path) {
-  return path.ends_with(".xacro");
 }
 
 }  // namespace troupe

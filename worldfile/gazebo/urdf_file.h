@@ -14,10 +14,7 @@ namespace troupe {
 std::optional<RigidModel> ReadUrdf(const XmlElement& robot, const std::string& path, ModelFiles& files,
                                    Diagnostics& diagnostics);
 
-// The URDF that the program `xacro` makes of a file. The error is a program that is not installed, or fails.
-Result<std::string> RunXacro(const std::string& path);
-
-// Whether a file's name ends as one that needs the program.
-bool IsXacroPath(const std::string& path);
+// The URDF that the program `xacro` makes of a file; nothing if it is not installed. The error is a program that fails.
+Result<std::optional<std::string>> RunXacro(const std::string& path);
 
 }  // namespace troupe
