@@ -31,7 +31,7 @@ set(may_include_common/traffic common/base common/geometry common/model)
 set(may_include_common/picture common/base common/bitmap common/geometry common/model)
 set(may_include_common/run common/base)
 set(may_include_worldfile/text common/base common/geometry)
-set(may_include_worldfile/stage common/base worldfile/text)
+set(may_include_worldfile/stage common/base common/geometry common/model worldfile/text)
 set(may_include_worldfile/map
   common/base common/geometry common/model common/bitmap common/image worldfile/stage worldfile/text)
 set(may_include_worldfile/sites

@@ -17,6 +17,16 @@
 extern char** environ;
 
 namespace troupe {
+
+#ifdef __EMSCRIPTEN__
+
+// There are no programs in a page.
+Result<std::optional<std::string>> RunXacro(const std::string& /*path*/) {
+  return std::optional<std::string>();
+}
+
+#else
+
 namespace {
 
 constexpr std::chrono::seconds kXacroTimeout{60};
@@ -62,10 +72,6 @@ Outcome ReadPipes(int output, int error) {
 }  // namespace
 
 Result<std::optional<std::string>> RunXacro(const std::string& path) {
-#ifdef __EMSCRIPTEN__
-  static_cast<void>(path);
-  return std::optional<std::string>();
-#else
   const auto failure = [&](const std::string& message) { return Error{{path}, message}; };
   std::array<int, 2> output{};
   std::array<int, 2> error{};
@@ -105,7 +111,8 @@ Result<std::optional<std::string>> RunXacro(const std::string& path) {
     return failure("'xacro' failed, expected URDF: " + Quoted(outcome.error, 500));
   }
   return std::optional(std::move(outcome.output));
-#endif
 }
+
+#endif
 
 }  // namespace troupe
