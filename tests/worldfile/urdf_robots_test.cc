@@ -194,7 +194,7 @@ const std::string kMacros =
     "<link name=\"base\"><collision><geometry><box size=\"0.4 ${wide - 0.04} 0.1\"/></geometry></collision></link>\n"
     "<xacro:wheel name=\"left\" side=\"1\"><origin xyz=\"0 ${reach} 0\"/></xacro:wheel>\n"
     "<xacro:wheel name=\"right\" side=\"-1\" radius=\"${0.04 + 0.04}\"><origin xyz=\"0 ${-reach} 0\"/></xacro:wheel>\n"
-    "<xacro:if value=\"$(arg laser)\"><link name=\"laser\"/><joint name=\"l\" type=\"fixed\"><parent link=\"base\"/>"
+    "<xacro:if value=\"${'$(arg laser)' == 'true'}\"><link name=\"laser\"/><joint name=\"l\" type=\"fixed\"><parent link=\"base\"/>"
     "<child link=\"laser\"/><origin xyz=\"${sin(radians(30))} 0 ${0.1 if wide > 0.3 else 0}\"/></joint></xacro:if>\n"
     "<xacro:unless value=\"${reach == 0.17}\"><link name=\"none\"/></xacro:unless></robot>";
 const std::string kParts =

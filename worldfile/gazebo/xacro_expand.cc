@@ -334,7 +334,14 @@ class XacroExpander {
     return ValueOfText(out);
   }
 
-  Result<ExpressionValue> Expression(const std::string& text, const std::string& file, XacroScope& scope, int depth) {
+  // Commands in an expression are replaced before it is evaluated: ${'$(arg sim)' == 'gazebo'}.
+  Result<ExpressionValue> Expression(const std::string& written, const std::string& file, XacroScope& scope, int depth) {
+    std::string text = written;
+    if (text.find('$') != std::string::npos) {
+      const Result<ExpressionValue> replaced = Substitute(written, file, scope, depth + 1);
+      if (!replaced.ok()) return replaced;
+      text = ToText(replaced.value());
+    }
     return Evaluate(text, [&](const std::string& name) -> Result<std::optional<ExpressionValue>> {
       const auto [raw, at] = FindProperty(name, scope);
       if (raw == nullptr) return std::optional<ExpressionValue>();
