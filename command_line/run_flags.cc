@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <utility>
 
 #include "command_line/parse_command_line.h"
@@ -63,17 +65,46 @@ void AddDataSharingFlag(CLI::App& app, NetworkSettings& settings, const std::str
       ->group(group);
 }
 
+// Where Gazebo looks for models, and so do the readers of its files (worldfile/gazebo/model_files.h).
+constexpr const char* kModelPathVariable = "GZ_SIM_RESOURCE_PATH";
+
 }  // namespace
 
 CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
+  app.add_option_function<std::vector<std::string>>(
+         "--model-path",
+         [](const std::vector<std::string>& folders) {
+           // A variable, so that processes that are started have it, too, as they have the user's own.
+           const char* const known = std::getenv(kModelPathVariable);
+           std::string path = known != nullptr ? known : "";
+           for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) {
+             const std::string absolute = std::filesystem::absolute(*folder).lexically_normal().string();
+             path = path.empty() ? absolute : absolute + ":" + path;
+           }
+           setenv(kModelPathVariable, path.c_str(), 1);
+         },
+         "A folder with models of Gazebo or packages of ROS, before those of GZ_SIM_RESOURCE_PATH; repeatable")
+      ->check(NotEmpty())
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   return app
       .add_option(
           "FILE", file,
-          "A Stage world (.world), a scenario or a layout (LIF) (.json), a building (.building.yaml), a ROS map "
-          "(.yaml), a map of cells (.map, .pogema) or a problem of paths on one (.scen, .json of the League)")
+          "A Stage world (.world), a world, model or robot of Gazebo or ROS (.sdf, .world, .urdf, .xacro), a scenario "
+          "or a layout (LIF) (.json), a building (.building.yaml), a ROS map (.yaml), a map of cells (.map, .pogema) or a problem of paths on one (.scen, .json of the League)")
       ->required()
       ->check(NotEmpty())
       ->type_name("");
+}
+
+void AddRobotFilesFlag(CLI::App& app, std::vector<std::string>& robots, const std::string& group) {
+  app.add_option("--robot", robots,
+                 "A robot that is added to the world, a file of URDF, xacro or SDF, at the origin or at X,Y and HEADING "
+                 "(m, degrees); repeatable")
+      ->check(NotEmpty())
+      ->type_name("FILE[@X,Y[,HEADING]]")
+      ->allow_extra_args(false)
+      ->group(group);
 }
 
 void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::string& group) {

@@ -24,8 +24,11 @@ class Option;
 
 namespace troupe {
 
-// FILE, required: a world.
+// FILE, required: a world; and --model-path DIR, repeatable, which is set at once, for this process and its children.
 CLI::Option* AddWorldFile(CLI::App& app, std::string& file);
+
+// --robot FILE[@X,Y[,HEADING]], repeatable
+void AddRobotFilesFlag(CLI::App& app, std::vector<std::string>& robots, const std::string& group = "Options");
 
 // --seed S
 void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::string& group = "Options");

@@ -31,13 +31,15 @@ set(may_include_common/traffic common/base common/geometry common/model)
 set(may_include_common/picture common/base common/bitmap common/geometry common/model)
 set(may_include_common/run common/base)
 set(may_include_worldfile/text common/base common/geometry)
-set(may_include_worldfile/stage common/base worldfile/text)
+set(may_include_worldfile/stage common/base common/geometry common/model worldfile/text)
 set(may_include_worldfile/map
   common/base common/geometry common/model common/bitmap common/image worldfile/stage worldfile/text)
 set(may_include_worldfile/sites
   common/base common/geometry common/model worldfile/stage worldfile/text)
 set(may_include_worldfile/grids
   common/base common/geometry common/model common/bitmap common/traffic worldfile/sites worldfile/stage worldfile/text)
+set(may_include_worldfile/gazebo
+  common/base common/geometry common/model common/bitmap worldfile/sites worldfile/stage worldfile/text)
 set(may_include_worldfile/models/properties
   common/base common/geometry common/model worldfile/grids worldfile/map worldfile/stage worldfile/text)
 set(may_include_worldfile/models/types
@@ -48,14 +50,14 @@ set(may_include_worldfile/models
   worldfile/map worldfile/models/properties worldfile/models/types worldfile/sites worldfile/stage worldfile/text)
 set(may_include_worldfile/scenario
   common/base common/geometry common/model common/bitmap common/run common/spatial
-  worldfile/grids worldfile/models worldfile/models/types worldfile/map worldfile/sites worldfile/stage
-  worldfile/text)
+  worldfile/gazebo worldfile/grids worldfile/models worldfile/models/types worldfile/map worldfile/sites
+  worldfile/stage worldfile/text)
 set(may_include_worldfile/edit
   common/base common/geometry worldfile/stage worldfile/text)
 set(may_include_worldfile
   common/base common/geometry common/model
-  worldfile/grids worldfile/models worldfile/models/types worldfile/map worldfile/scenario worldfile/sites
-  worldfile/stage worldfile/text)
+  worldfile/gazebo worldfile/grids worldfile/models worldfile/models/types worldfile/map worldfile/scenario
+  worldfile/sites worldfile/stage worldfile/text)
 # VDA 5050: messages, and the rules of both sides, as pure functions.
 set(may_include_fleet common/base)
 set(may_include_transport/mqtt common/base)
@@ -190,7 +192,7 @@ set(may_include_viewer/module
 # The editor shows a file as if it were a paused run, and tests it by the library.
 set(may_include_viewer/editor
   common/base common/bitmap common/geometry common/image common/model transport/protocol common/spatial
-  worldfile/models worldfile/models/properties worldfile/models/types worldfile/edit worldfile/scenario worldfile/stage
+  worldfile/gazebo worldfile/models worldfile/models/properties worldfile/models/types worldfile/edit worldfile/scenario worldfile/stage
   worldfile/text include/troupe/simulation.h robot-agent/controller robot-agent/drive viewer/gateway world-service/core)
 
 set(may_include_launcher/process common/base)

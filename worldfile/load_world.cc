@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "worldfile/gazebo/gazebo_tree.h"
 #include "worldfile/grids/grid_tree.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/models/build_world.h"
@@ -21,9 +22,13 @@
 namespace troupe {
 namespace {
 
-Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides& overrides) {
-  const Result<WorldTree> tree = ParseStageWorld(path, overrides.allowed);
+// Stage and Gazebo worlds, and ROS maps, with the robots of options.
+Result<LoadedWorld> LoadPlainWorld(const std::string& path, const LoadOverrides& overrides) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  const bool is_map = ending == ".yaml" || ending == ".yml";
+  Result<WorldTree> tree = is_map ? MapYamlTree(path) : ReadWorldTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
+  if (Status error = AddRobots(overrides.robots, overrides.allowed, tree.value()); !error.ok()) return error.error();
   return BuildWorld(tree.value(), overrides);
 }
 
@@ -36,8 +41,9 @@ std::optional<std::string> ControllerOf(const Site& site, const LoadOverrides& o
 }
 
 Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& overrides) {
-  const Result<WorldTree> tree = ReadSiteTree(path, overrides.allowed);
+  Result<WorldTree> tree = ReadSiteTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
+  if (Status error = AddRobots(overrides.robots, overrides.allowed, tree.value()); !error.ok()) return error.error();
   LoadOverrides build = overrides;
   build.controller = ControllerOf(*tree.value().site, overrides);
   Result<LoadedWorld> built = BuildWorld(tree.value(), build);
@@ -50,8 +56,9 @@ Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& o
 }
 
 Result<LoadedWorld> LoadGrid(const std::string& path, const LoadOverrides& overrides) {
-  const Result<WorldTree> tree = ReadGridTree(path, overrides.grid, overrides.allowed);
+  Result<WorldTree> tree = ReadGridTree(path, overrides.grid, overrides.allowed);
   if (!tree.ok()) return tree.error();
+  if (Status error = AddRobots(overrides.robots, overrides.allowed, tree.value()); !error.ok()) return error.error();
   Result<LoadedWorld> built = BuildWorld(tree.value(), overrides);
   if (!built.ok()) return built;
   if (Status error = CheckControllersInWorld(built.value(), path, overrides); !error.ok()) return error.error();
@@ -67,12 +74,13 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
                  ".pogema or a problem of the League (.json)"};
   }
   if (IsBuildingPath(path) || IsLayoutPath(path, overrides.allowed)) return LoadBuilding(path, overrides);
-  if (ending == ".world") return LoadStageWorld(path, overrides);
   if (ending == ".json") return LoadScenario(path, overrides);
-  if (ending == ".yaml" || ending == ".yml") return BuildWorld(MapYamlTree(path), overrides);
+  if (ending == ".world" || ending == ".yaml" || ending == ".yml" || IsModelFile(path)) {
+    return LoadPlainWorld(path, overrides);
+  }
   return Error{{path},
                "found a file ending in " + Quoted(ending) +
-                   ", expected .world (Stage), .json (scenario, LIF), .yaml (ROS map) or "
+                   ", expected .world (Stage, Gazebo), .sdf (Gazebo), .urdf or .xacro (a robot), .json (scenario, LIF), .yaml (ROS map) or "
                    ".building.yaml (Open-RMF), .scen, .map or .pogema (cells)"};
 }
 
@@ -82,7 +90,7 @@ std::string EndingOf(const std::string& path) {
 
 bool IsFile(const std::string& source) {
   const std::string ending = EndingOf(source);
-  return ending == ".world" || ending == ".inc" || ending == ".json";
+  return ending == ".world" || ending == ".inc" || ending == ".json" || IsModelFile(source);
 }
 
 // The defines of models, and the controller of robots without one.
@@ -91,8 +99,7 @@ Result<ScenarioWorld> ReadDefinitions(const WorldSource& source, const LoadOverr
   if (source.scenario) return ReadScenarioWorldText(*source.scenario, path, overrides);
   if (EndingOf(path) == ".json" && !IsLayoutPath(path, overrides.allowed) && !IsGridPath(path, overrides.allowed))
     return ReadScenarioWorld(path, overrides);
-  Result<WorldTree> tree =
-      EndingOf(path) == ".inc" ? ParseStageWorld(path, overrides.allowed) : ReadWorldTree(path, overrides.allowed);
+  Result<WorldTree> tree = ReadWorldTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
   ScenarioWorld world;
   world.tree = std::move(tree).value();
@@ -136,10 +143,9 @@ Result<LoadedWorld> BuildOne(const WorldSource& source, const std::string& name,
 }
 
 Result<LoadedWorld> LoadFile(const std::string& path, const LoadOverrides& overrides) {
-  if (EndingOf(path) != ".inc") return LoadWorld(path, overrides);
-  const Result<WorldTree> tree = ParseStageWorld(path, overrides.allowed);
-  if (!tree.ok()) return tree.error();
-  return BuildWorld(tree.value(), overrides);
+  LoadOverrides alone = overrides;
+  alone.robots.clear();
+  return EndingOf(path) == ".inc" ? LoadPlainWorld(path, alone) : LoadWorld(path, alone);
 }
 
 }  // namespace

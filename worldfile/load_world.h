@@ -15,8 +15,9 @@
 
 namespace troupe {
 
-// Loads a Stage world (.world), a JSON scenario (.json), a building of Open-RMF (.building.yaml) or a ROS map (.yaml),
-// by the file's ending.
+// Loads a Stage world (.world), a JSON scenario (.json), a building of Open-RMF (.building.yaml), a ROS map (.yaml), or
+// a world, model or robot of Gazebo and ROS (.sdf, .world, .urdf, .xacro), by the file's ending; a .world that begins
+// with XML is Gazebo's.
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides = {});
 
 // The file of a world, or the text of a scenario.
@@ -38,7 +39,7 @@ struct Spawnable {
 Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides = {});
 
 // A world with only the model to be spawned. `world`: where its models are defined. `source`: a name as above, a file
-// (.world, .inc, .json) that has one model with its parts, or "FILE#NAME": a model that this file defines. Robots have
+// (.world, .inc, .json, .sdf, .urdf) that has one model with its parts, or "FILE#NAME": a model that this file defines. Robots have
 // the controller that they would have in the world file.
 Result<LoadedWorld> LoadSpawnable(const WorldSource& world, const std::string& source,
                                   const LoadOverrides& overrides = {});

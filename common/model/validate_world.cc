@@ -97,6 +97,9 @@ Status CheckRobot(const WorldDescription& world, std::size_t index) {
   for (const SensorDescription& sensor : robot.sensors) {
     if (Status error = CheckSensor(world, robot, sensor); !error.ok()) return error;
   }
+  for (const MountedFrame& frame : robot.frames) {
+    if (!IsInTree(world, frame.model, robot.root)) return BadInput("its frame '" + frame.name + "' is on no model of it");
+  }
   return Status();
 }
 

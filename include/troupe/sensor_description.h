@@ -323,6 +323,7 @@ struct SensorDescription {
   ModelId model = {};
   std::uint32_t period_ticks = 1;
   SensorParameters parameters = {};
+  std::string frame = {};
   bool operator==(const SensorDescription&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -333,6 +334,7 @@ struct SensorDescription {
             .In("tick")
             .AtLeast(1),
         Field{"parameters", &SensorDescription::parameters},
+        Field{"frame", &SensorDescription::frame, "of its messages in ROS; empty: one with the name of its topic"},
     };
   }
 };

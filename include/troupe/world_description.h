@@ -404,6 +404,26 @@ struct NamedPlace {
   }
 };
 
+// A named frame that is fixed on a model of a robot, as on a link of its URDF: unlike a pose it may be tilted, first by
+// `roll` about x, then by `pitch` about y, then by the heading. It concerns ROS alone, and changes no result.
+struct MountedFrame {
+  std::string name;
+  ModelId model;
+  Pose X_MF = {};
+  double roll = 0.0;
+  double pitch = 0.0;
+  bool operator==(const MountedFrame&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &MountedFrame::name},
+        Field{"model", &MountedFrame::model, "in the robot's tree; frame M"},
+        Field{"pose_in_model", &MountedFrame::X_MF},
+        Field{"roll", &MountedFrame::roll}.In("rad"),
+        Field{"pitch", &MountedFrame::pitch}.In("rad"),
+    };
+  }
+};
+
 struct RobotDescription {
   std::string name;
   ModelId root;
@@ -412,6 +432,7 @@ struct RobotDescription {
   std::vector<SensorDescription> sensors;
   ControllerDescription controller;
   RosIdentity ros = {};
+  std::vector<MountedFrame> frames = {};
   bool operator==(const RobotDescription&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -422,6 +443,8 @@ struct RobotDescription {
         Field{"sensors", &RobotDescription::sensors, "in the order of the world file; break beams are their grippers'"},
         Field{"controller", &RobotDescription::controller},
         Field{"ros", &RobotDescription::ros},
+        Field{"frames", &RobotDescription::frames,
+              "of its URDF or SDF, the first that of the root model, which is its base in tf; empty: base_link"},
     };
   }
 };

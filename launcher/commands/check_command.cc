@@ -270,7 +270,7 @@ int CheckTest(const std::string& file) {
   return kExitDone;
 }
 
-int CheckCommand(const std::string& file, const GridOptions& grid) {
+int CheckCommand(const std::string& file, const GridOptions& grid, const std::vector<std::string>& robots) {
   if (IsRecordingPath(file)) return CheckRecording(file);
   if (IsTest(file)) return CheckTest(file);
   if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
@@ -278,6 +278,7 @@ int CheckCommand(const std::string& file, const GridOptions& grid) {
   overrides.check_controller = CheckController;  // also of what a scenario adds to a world
   overrides.check_in_world = CheckControllerNeeds;
   overrides.grid = grid;
+  overrides.robots = robots;
   const Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return Fail(loaded.error());
   fmt::print("{}", DescribeWorld(loaded.value()));
@@ -302,9 +303,11 @@ void AddCheckCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("check", "Load a world and describe it, without running it");
   const auto file = std::make_shared<std::string>();
   const auto grid = std::make_shared<GridOptions>();
+  const auto robots = std::make_shared<std::vector<std::string>>();
   AddWorldFile(*command, *file);
+  AddRobotFilesFlag(*command, *robots);
   AddGridFlags(*command, *grid);
-  command->final_callback([file, grid, &exit_status] { exit_status = CheckCommand(*file, *grid); });
+  command->final_callback([=, &exit_status] { exit_status = CheckCommand(*file, *grid, *robots); });
 }
 
 Status CheckControllers(const std::string& file, const std::optional<std::string>& controller) {

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -100,8 +101,8 @@ void Print(const control::Request& request, const ControlReply& reply) {
 std::string AbsolutePath(const std::string& source) {
   const std::size_t end = std::min(source.rfind('#'), source.size());
   const std::string ending = std::filesystem::path(source.substr(0, end)).extension().string();
-  if (ending != ".world" && ending != ".inc" && ending != ".json" && ending != ".yaml" && ending != ".yml")
-    return source;
+  constexpr std::array kFiles = {".world", ".inc", ".json", ".yaml", ".yml", ".sdf", ".urdf", ".xacro"};
+  if (std::find(kFiles.begin(), kFiles.end(), ending) == kFiles.end()) return source;
   return std::filesystem::absolute(source).lexically_normal().string();
 }
 

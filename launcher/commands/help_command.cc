@@ -25,6 +25,7 @@ constexpr Example kExamples[] = {
     {"run", "troupe run office.world", "watch it in the browser until Ctrl-C"},
     {"run", "troupe run office.world --ticks 600 --headless --poses poses.csv", "a minute, as fast as possible"},
     {"run", "troupe run office.world --ticks 600 --headless --record run.mcap", "keep a recording"},
+    {"run", "troupe run office.world --robot rover.urdf@2,-0.4,90", "with a robot of URDF"},
     {"run", "troupe run run.mcap --from-tick 300 --controller wander --headless --ticks 400", "branch off from it"},
     {"replay", "troupe replay run.mcap", "step it again, and compare every state"},
     {"replay", "troupe replay run.mcap --from 200 --to 300 --poses part.csv", "the poses of some ticks"},
@@ -61,6 +62,7 @@ constexpr const char* kEnvironmentAndStatus = R"(Environment:
   TROUPE_DOMAIN               DDS domain, where --domain does not give it
   NO_COLOR                    Not empty: no colours, on a terminal neither
   STAGEPATH                   Folders, separated by colons, in which worlds look for files to include
+  GZ_SIM_RESOURCE_PATH        And the other variables of Gazebo: folders of models and packages for its files
   ROS_DOMAIN_ID               And the other variables of ROS 2, with --ros: defaults of its options
 
 Exit status:

@@ -65,7 +65,8 @@ struct ViewOptions {
 
 // By the ending: a session with such a name cannot be shown by its name.
 bool IsFile(const std::string& name) {
-  return IsRecordingPath(name) || name.ends_with(".world") || name.ends_with(".json") || name.ends_with(".yaml");
+  return IsRecordingPath(name) || name.ends_with(".world") || name.ends_with(".json") || name.ends_with(".yaml") ||
+         name.ends_with(".sdf") || name.ends_with(".urdf");
 }
 
 Result<ParticipantKeys> KeysOf(const NetworkSettings& network) {

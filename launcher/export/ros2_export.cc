@@ -136,13 +136,13 @@ class Ros2Export final : public RunExport {
     for (std::size_t i = 0; i < description().robots.size(); ++i) {
       const RobotId id(i);
       if (!RobotExists(description(), id)) continue;
-      const ros::FrameNames frames = ros::FramesOf(names[i], true);
+      const ros::FrameNames frames = ros::FramesOf(names[i], true, ros::BaseFrameOf(description().robots[i]));
       Robot& robot =
           robots_.emplace_back(Robot{id, "/" + names[i] + "/", frames, ros::RobotFramesOf(*scene_, id, frames),
                                      ros::SensorTopicsOf(description().robots[i])});
       links[i] = robot.tree.links;
       for (const ros::FixedFrame& frame : robot.tree.fixed) {
-        fixed.push_back(ros::MakeTransform(stamp_, frame.parent, frame.frame, frame.X_PF, arena));
+        fixed.push_back(ros::MakeTransform(stamp_, frame, arena));
       }
       Write(robot.prefix + "robot_description",
             ros::String{arena.Copy(ros::MakeRobotDescription(*scene_, id, names[i], frames))}, true);

@@ -152,6 +152,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   const char* simulation = "Simulation";
   AddRunFlags(command, options.run, simulation);
   AddSeedFlag(command, options.load.seed, simulation);
+  AddRobotFilesFlag(command, options.load.robots, simulation);
   AddGridFlags(command, options.load.grid, simulation);
   command
       .add_option("--planner", options.planner,
@@ -245,6 +246,7 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   if (!options.file.empty()) arguments.push_back(options.file);
   Append(arguments, RunArguments(options.run));
   if (options.load.seed) Append(arguments, "--seed", std::to_string(*options.load.seed));
+  for (const std::string& robot : options.load.robots) Append(arguments, "--robot", robot);
   Append(arguments, GridArguments(options.load.grid));
   if (options.load.controller) Append(arguments, "--controller", *options.load.controller);
   for (const std::string& controller : options.branch.controllers) Append(arguments, "--controller", controller);

@@ -199,11 +199,11 @@ std::vector<ros::TransformStamped> RobotOutput::MovingTransforms(Tick tick, cons
 std::vector<ros::TransformStamped> RobotOutput::StaticTransforms(const RobotView& robot, dds::WireArena& arena) const {
   std::vector<ros::TransformStamped> transforms;
   for (const ros::FixedFrame& frame : tree_.fixed) {
-    transforms.push_back(ros::MakeTransform(Stamp(0), frame.parent, frame.frame, frame.X_PF, arena));
+    transforms.push_back(ros::MakeTransform(Stamp(0), frame, arena));
   }
   sensors_.AddOpticalTransforms(Stamp(0), transforms, arena);
   // A name that the configurations of Nav2 expect: the base on the ground.
-  if (frames_.prefix.empty()) {
+  if (frames_.prefix.empty() && !ros::HasFrame(description(), ros::kFootprintFrame)) {
     transforms.push_back(ros::MakeTransform(Stamp(0), frames_.base, ros::kFootprintFrame, {}, arena));
   }
   if (map_to_odom_) {

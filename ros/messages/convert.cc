@@ -161,6 +161,20 @@ TransformStamped MakeTransform(const Time& stamp, const std::string& parent, con
   return transform;
 }
 
+TransformStamped MakeTransform(const Time& stamp, const FixedFrame& frame, dds::WireArena& arena) {
+  TransformStamped transform = MakeTransform(stamp, frame.parent, frame.frame, frame.X_PF, arena);
+  if (frame.roll == 0.0 && frame.pitch == 0.0) return transform;
+  const SinCosResult r = SinCos(0.5 * frame.roll);
+  const SinCosResult p = SinCos(0.5 * frame.pitch);
+  const SinCosResult y = SinCos(0.5 * frame.X_PF.heading);
+  // The product of the quaternions about z, y and x.
+  transform.transform.rotation = {r.sin * p.cos * y.cos - r.cos * p.sin * y.sin,
+                                  r.cos * p.sin * y.cos + r.sin * p.cos * y.sin,
+                                  r.cos * p.cos * y.sin - r.sin * p.sin * y.cos,
+                                  r.cos * p.cos * y.cos + r.sin * p.sin * y.sin};
+  return transform;
+}
+
 TfMessage MakeTfMessage(const std::vector<TransformStamped>& transforms, dds::WireArena& arena) {
   TfMessage message{};
   std::copy(transforms.begin(), transforms.end(), arena.Fill(message.transforms, transforms.size()));

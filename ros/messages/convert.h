@@ -9,6 +9,7 @@
 
 #include "common/spatial/occupancy_grid.h"
 #include "ros/messages/messages.h"
+#include "ros/messages/robot_frames.h"
 #include "transport/dds/binding/wire.h"
 #include "troupe/pose.h"
 #include "troupe/sensor.h"
@@ -58,6 +59,7 @@ PoseMessage ToMessage(const Pose& pose);
 TwistMessage ToMessage(const Twist& twist);
 TransformStamped MakeTransform(const Time& stamp, const std::string& parent, const std::string& child, const Pose& pose,
                                dds::WireArena& arena);
+TransformStamped MakeTransform(const Time& stamp, const FixedFrame& frame, dds::WireArena& arena);
 TfMessage MakeTfMessage(const std::vector<TransformStamped>& transforms, dds::WireArena& arena);
 
 // `pose` is of `child` in `frame`; `twist` in `child`. No variance is below kMinVariance, which also is that of the

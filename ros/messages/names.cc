@@ -70,8 +70,22 @@ RobotInRos Find(const WorldDescription& world, RobotId robot, const std::string&
   } else {
     found.node_namespace = IsNamespace(identity.name_space) ? identity.name_space : "/" + found.name;
   }
-  found.frames = FramesOf(found.node_namespace.substr(1), !names.namespaced_tf && !is_plain);
+  found.frames =
+      FramesOf(found.node_namespace.substr(1), !names.namespaced_tf && !is_plain, BaseFrameOf(world.robot(robot)));
   return found;
+}
+
+// Frames of its URDF or SDF are there whatever its sensors are called.
+void ReserveFrames(const RobotDescription& robot, UniqueNames& frames) {
+  for (const char* reserved : {"odom", kBaseFrame, kFootprintFrame, kMapFrame}) frames.Reserve(reserved);
+  for (const MountedFrame& frame : robot.frames) frames.Reserve(frame.name);
+}
+
+// The frame of a sensor's messages. `otherwise`: of one whose description names none.
+std::string SensorFrame(const RobotDescription& robot, const SensorDescription& sensor, const std::string& otherwise,
+                        UniqueNames& frames) {
+  if (sensor.frame.empty()) return frames.Reserve(otherwise);
+  return HasFrame(robot, sensor.frame) ? sensor.frame : frames.Reserve(sensor.frame);
 }
 
 }  // namespace
@@ -107,9 +121,18 @@ std::vector<std::string> RobotNames(const WorldDescription& world) {
   return names;
 }
 
-FrameNames FramesOf(const std::string& robot, bool prefixed) {
+FrameNames FramesOf(const std::string& robot, bool prefixed, const std::string& base) {
   const std::string prefix = prefixed ? robot + "/" : "";
-  return {.odom = prefix + "odom", .base = prefix + "base_link", .prefix = prefix};
+  return {.odom = prefix + "odom", .base = prefix + base, .prefix = prefix};
+}
+
+std::string BaseFrameOf(const RobotDescription& robot) {
+  return robot.frames.empty() ? kBaseFrame : robot.frames.front().name;
+}
+
+bool HasFrame(const RobotDescription& robot, const std::string& name) {
+  return std::any_of(robot.frames.begin(), robot.frames.end(),
+                     [&](const MountedFrame& frame) { return frame.name == name; });
 }
 
 // In the order of the description, so that names do not change from run to run. Topics and frames have name spaces of
@@ -122,7 +145,10 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
                                "battery", "robot_description"}) {
     names.Reserve(reserved);
   }
-  for (const char* reserved : {"odom", "base_link", "base_footprint", "map"}) frames.Reserve(reserved);
+  ReserveFrames(robot, frames);
+  const auto frame_of = [&](std::size_t sensor, const std::string& otherwise) {
+    return SensorFrame(robot, robot.sensors[sensor], otherwise, frames);
+  };
   for (std::size_t r = 0; r < robot.sensors.size(); ++r) {
     const RangerParameters* const ranger = std::get_if<RangerParameters>(&robot.sensors[r].parameters);
     if (ranger == nullptr) {
@@ -137,16 +163,16 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
       const std::string kind_base = IsAutomatic(robot.sensors[r].name) ? type : RosName(robot.sensors[r].name);
       std::string topic = names.Reserve(kind_base);
       if (is_camera) {
-        std::string frame = frames.Reserve(kind_base);
+        std::string frame = frame_of(r, kind_base);
         frames.Reserve(frame + "_optical");
         topics.cameras.push_back({r, std::move(topic), std::move(frame)});
       } else if (is_radio) {
         topics.radios.push_back({r, std::move(topic), ""});
       } else if (is_imu) {
-        topics.imus.push_back({r, std::move(topic), frames.Reserve(kind_base)});
+        topics.imus.push_back({r, std::move(topic), frame_of(r, kind_base)});
       } else if (is_finder || is_blobfinder) {
         std::vector<KindTopic>& kind = is_finder ? topics.finders : topics.blobfinders;
-        kind.push_back({r, std::move(topic), frames.Reserve(kind_base)});
+        kind.push_back({r, std::move(topic), frame_of(r, kind_base)});
       } else {
         topics.touches.push_back({r, std::move(topic), ""});
       }
@@ -155,7 +181,9 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
     const std::string base = BaseName(robot.sensors[r].name, *ranger);
     SonarTopic sonar{.ranger = r, .topic = "", .sensors = {}};
     for (std::size_t s = 0; s < ranger->ray_sensors->size(); ++s) {
-      const std::string frame = frames.Reserve(ranger->ray_sensors->size() > 1 ? base + "_" + std::to_string(s) : base);
+      // Several sensors of one ranger have frames of their own, because they are at different places.
+      const std::string frame =
+          ranger->ray_sensors->size() > 1 ? frames.Reserve(base + "_" + std::to_string(s)) : frame_of(r, base);
       if (!(*ranger->ray_sensors)[s].elevations.empty()) {
         topics.clouds.push_back({r, s, names.Reserve(base), frame});
       } else if (IsLaser((*ranger->ray_sensors)[s])) {
@@ -176,7 +204,7 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
 std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot) {
   UniqueNames names;
   UniqueNames frames;
-  for (const char* reserved : {"odom", "base_link", "base_footprint", "map"}) frames.Reserve(reserved);
+  ReserveFrames(world.robot(robot), frames);
   const auto reserve_sensor = [&](const std::string& frame) {
     frames.Reserve(frame);
     names.Reserve(frame + "_mount");

@@ -27,8 +27,16 @@ struct FrameNames {
   std::string base;
   std::string prefix;  // of all other frames
 };
-// `prefixed`: "<robot>/odom"; otherwise "odom".
-FrameNames FramesOf(const std::string& robot, bool prefixed);
+inline constexpr const char* kBaseFrame = "base_link";
+
+// `prefixed`: "<robot>/odom"; otherwise "odom". `base`: of the robot, without a prefix.
+FrameNames FramesOf(const std::string& robot, bool prefixed, const std::string& base = kBaseFrame);
+
+// The base of a robot in tf, without its prefix: the first of its frames, or kBaseFrame.
+std::string BaseFrameOf(const RobotDescription& robot);
+
+// Whether the robot has a frame of that name, from its URDF or SDF.
+bool HasFrame(const RobotDescription& robot, const std::string& name);
 
 inline constexpr const char* kMapFrame = "map";
 inline constexpr const char* kFootprintFrame = "base_footprint";

@@ -17,8 +17,9 @@ Pose PoseOnModel(const SensorDescription& description, std::size_t ray_sensor) {
 }
 
 // URDF has roll, pitch and yaw in rad.
-std::string Origin(const Pose& pose) {
-  return fmt::format(R"(<origin xyz="{:.6g} {:.6g} {:.6g}" rpy="0 0 {:.6g}"/>)", pose.x, pose.y, pose.z, pose.heading);
+std::string Origin(const Pose& pose, double roll = 0.0, double pitch = 0.0) {
+  return fmt::format(R"(<origin xyz="{:.6g} {:.6g} {:.6g}" rpy="{:.6g} {:.6g} {:.6g}"/>)", pose.x, pose.y, pose.z, roll,
+                     pitch, pose.heading);
 }
 
 // A box around an outline in its model's frame.
@@ -36,7 +37,7 @@ std::string FixedJoint(const FixedFrame& frame) {
   return fmt::format(
       "  <link name=\"{0}\"/>\n  <joint name=\"{0}_mount\" type=\"fixed\"><parent link=\"{1}\"/><child "
       "link=\"{0}\"/>{2}</joint>\n",
-      frame.frame, frame.parent, Origin(frame.X_PF));
+      frame.frame, frame.parent, Origin(frame.X_PF, frame.roll, frame.pitch));
 }
 
 // Forces are not simulated, so an effort of 0 limits nothing.
@@ -65,12 +66,19 @@ RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& n
     const Link& link = body.links[i];
     frames.moving.push_back({*link.joint, joint_names[i], frames.links[link.parent], frames.links[i], link.X_PL});
   }
+  const RobotDescription& own = scene.world().robot(robot);
+  for (std::size_t i = 1; i < own.frames.size(); ++i) {
+    const MountedFrame& frame = own.frames[i];
+    frames.fixed.push_back({frames.links[scene.link_of(frame.model)], names.prefix + frame.name,
+                            scene.X_LM(frame.model) * frame.X_MF, frame.roll, frame.pitch});
+  }
   const auto add_sensor = [&](std::size_t ranger, std::size_t sensor, const std::string& frame) {
-    const SensorDescription& description = scene.world().robot(robot).sensors[ranger];
+    if (HasFrame(own, frame)) return;
+    const SensorDescription& description = own.sensors[ranger];
     const Pose X_LS = scene.X_LM(description.model) * PoseOnModel(description, sensor);
     frames.fixed.push_back({frames.links[scene.link_of(description.model)], names.prefix + frame, X_LS});
   };
-  const SensorTopics sensors = SensorTopicsOf(scene.world().robot(robot));
+  const SensorTopics sensors = SensorTopicsOf(own);
   for (const LaserTopic& laser : sensors.lasers) add_sensor(laser.ranger, laser.sensor, laser.frame);
   for (const CloudTopic& cloud : sensors.clouds) add_sensor(cloud.ranger, cloud.sensor, cloud.frame);
   for (const KindTopic& camera : sensors.cameras) add_sensor(camera.sensor, 0, camera.frame);

@@ -1,5 +1,6 @@
 // The frames on a robot, on tf below its base and in its URDF. P: a parent frame, F: a frame on it.
-// All poses are constant: what moves is a joint's position. They come from the scene, as the physics has them, so that
+// All poses are constant: what moves is a joint's position. A robot of a URDF or an SDF file keeps the frames of its
+// links, each as a child of what moves it: the base, or a joint's frame. They come from the scene, as the physics has them, so that
 // a scan, a transform and the picture of RViz agree to the bit.
 #pragma once
 
@@ -20,17 +21,20 @@ struct MovingFrame {
   Pose X_PF;  // at joint position 0
 };
 
-// The frame of a sensor, fixed on a link.
+// A frame that is fixed on a link: of a sensor, or of the robot's own file, which may be tilted: by roll about x, then
+// by pitch about y, then by the heading of the pose (rad).
 struct FixedFrame {
   std::string parent;
   std::string frame;
   Pose X_PF;
+  double roll = 0.0;
+  double pitch = 0.0;
 };
 
 struct RobotFrames {
   std::vector<std::string> links;   // by link of the robot's body (common/spatial/scene.h): the base, then one by joint
   std::vector<MovingFrame> moving;  // parents first
-  std::vector<FixedFrame> fixed;    // in the order of SensorTopicsOf
+  std::vector<FixedFrame> fixed;    // those of the robot's file, then of sensors in the order of SensorTopicsOf
 };
 
 RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& names);

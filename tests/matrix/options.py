@@ -51,7 +51,7 @@ VALUES = {
     "--ros-security": "off", "--ros-keystore": "keystore", "--ros-enclave": "/all", "--ros-tf": "namespaced",
     "--ros-names": "robot", "--ros-cmd-vel": "both", "--ros-command-timeout": "3", "--ros-no-hit": "range-max",
     "--ros-map": "grid", "--ros-clock-rate": "20", "--ros-map-resolution": "0.1", "--ros-map-height": "0.2", "--ros-rviz": "goal",
-    "--agents": "2", "--cell": "2", "--paths": "paths", "--delays": "0.1", "--planner": "cat",
+    "--model-path": ".", "--robot": "rover.urdf@-20,20", "--agents": "2", "--cell": "2", "--paths": "paths", "--delays": "0.1", "--planner": "cat",
     "--ros-lockstep-period": "2", "--ros-lockstep-limit": "3", "--ros-lockstep-at-limit": "continue", "--ros-participants": "host",
 }
 CONNECTION = {"--security": "auto"}

@@ -4,6 +4,8 @@ import json
 
 from rows import INPUTS, THINGS, TICKS
 
+ROVER = ('<robot name="rover"><link name="base"><collision><geometry><box size="0.4 0.4 0.2"/></geometry></collision></link>'
+         "</robot>\n")
 HOUSE = """name: house
 coordinate_system: cartesian_meters
 levels:
@@ -104,6 +106,7 @@ def write(folder, name, things):
     (folder / f"{name}.world").write_text('name "matrix"\n' + "".join(thing.stage + "\n" for thing in things))
     if not (folder / "house.building.yaml").exists():
         (folder / "house.building.yaml").write_text(HOUSE)
+        (folder / "rover.urdf").write_text(ROVER)
         for source in INPUTS:
             (folder / f"{base_of(source)}.test.json").write_text(json.dumps(test_of_file(source)))
         (folder / "lanes.lif.json").write_text(json.dumps(LANES))

@@ -191,6 +191,7 @@ void Append(WorldDescription& world, const WorldDescription& spawned, const std:
     robot.name = name;
     robot.root = model_id(robot.root);
     for (SensorDescription& sensor : robot.sensors) sensor.model = model_id(sensor.model);
+    for (MountedFrame& frame : robot.frames) frame.model = model_id(frame.model);
     world.robots.push_back(std::move(robot));
   }
   for (JointDescription joint : spawned.joints) {
@@ -317,6 +318,7 @@ WorldDescription ExtractEntity(const WorldDescription& world, ModelId root) {
     RobotDescription robot = world.robots[i];
     robot.root = models.at(robot.root);
     for (SensorDescription& sensor : robot.sensors) sensor.model = models.at(sensor.model);
+    for (MountedFrame& frame : robot.frames) frame.model = models.at(frame.model);
     entity.robots.push_back(std::move(robot));
     for (std::size_t j = 0; j < world.joints.size(); ++j) {
       if (world.joints[j].robot != RobotId(i)) continue;

@@ -53,6 +53,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   app.add_flag("--watched", line.run.is_watched, "A viewer shows the run: its default speed is that for people");
   AddRobotsPerProcessFlag(app, line.run.robots_per_process);
   AddSeedFlag(app, line.overrides.seed);
+  AddRobotFilesFlag(app, line.overrides.robots);
   AddGridFlags(app, line.overrides.grid);
   AddBranchFlags(app, line.branch);
   AddAllowControllersFlag(app, line.permissions.controllers);

@@ -54,7 +54,7 @@ Result<RequestedFile> ListWorlds(const ServiceOptions& options, const control::W
     if (path && std::filesystem::is_directory(*path, problem)) {
       for (const auto& entry : std::filesystem::directory_iterator(*path, problem)) {
         const std::string ending = entry.path().extension().string();
-        if (ending == ".world" || ending == ".json") paths.insert(entry.path().string());
+        if (ending == ".world" || ending == ".json" || ending == ".sdf") paths.insert(entry.path().string());
       }
     } else if (!request.folder.empty()) {
       return Error{{}, "found '" + folder + "', expected a folder that requests may read"};
@@ -89,7 +89,10 @@ struct Source {
 Result<Source> SourceOf(const ServiceOptions& options, const std::string& path, const std::string& text) {
   Source source{path, {}, options.overrides};
   // The options are those of the run's own file.
-  if (!text.empty() || path != options.world_file) source.overrides.grid = {};
+  if (!text.empty() || path != options.world_file) {
+    source.overrides.grid = {};
+    source.overrides.robots.clear();
+  }
   if (text.empty()) return source;
   Result<std::shared_ptr<const RequestedText>> written = RequestedText::Write(text);
   if (!written.ok()) return written.error();

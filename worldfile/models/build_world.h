@@ -66,6 +66,8 @@ struct LoadOverrides {
   std::function<Status(const WorldDescription& world, std::span<const RobotId> robots)> check_in_world = {};
   AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
   GridOptions grid = {};                       // of a file with cells; an error for others
+  // Robots that are added to the world: FILE or FILE@X,Y[,HEADING] (worldfile/gazebo/added_robots.h).
+  std::vector<std::string> robots = {};
 };
 
 struct BuildOptions {

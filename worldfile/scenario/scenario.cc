@@ -7,6 +7,7 @@
 #include "common/base/glob.h"
 #include "common/base/json_tree.h"
 #include "common/model/find_robots.h"
+#include "worldfile/gazebo/gazebo_tree.h"
 #include "worldfile/grids/grid_tree.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/models/crowd.h"
@@ -29,8 +30,37 @@ Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& path, con
   return tree;
 }
 
-Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const AllowedPaths& allowed,
+// Defines the models of files that the entries name.
+Status DefineModelFiles(const std::vector<ModelEntry>& entries, const std::string& path, const AllowedPaths& allowed,
+                        WorldTree& tree) {
+  for (const ModelEntry& entry : entries) {
+    if (entry.model && IsModelFile(entry.model->text)) {
+      const std::string file = FindFile(entry.model->text, DirectoryOf(path), path);
+      Status status = DefineModelFile(entry.model->text, file, entry.model->where, allowed, tree);
+      if (!status.ok()) return status;
+    }
+    if (Status status = DefineModelFiles(entry.children, path, allowed, tree); !status.ok()) return status;
+  }
+  return Status();
+}
+
+Status DefineModelFiles(const ScenarioFile& file, const std::string& path, const LoadOverrides& overrides,
+                        WorldTree& tree) {
+  for (const auto* const entries : {&file.models, &file.robots}) {
+    if (Status status = DefineModelFiles(*entries, path, overrides.allowed, tree); !status.ok()) return status;
+  }
+  for (const SpawnEntry& rule : file.spawns) {
+    if (!IsModelFile(rule.model.text)) continue;
+    const std::string model = FindFile(rule.model.text, DirectoryOf(path), path);
+    Status status = DefineModelFile(rule.model.text, model, rule.model.where, overrides.allowed, tree);
+    if (!status.ok()) return status;
+  }
+  return AddRobots(overrides.robots, overrides.allowed, tree);
+}
+
+Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const LoadOverrides& overrides,
                            const ScenarioTools& tools) {
+  const AllowedPaths& allowed = overrides.allowed;
   const std::string directory = DirectoryOf(path);
   const auto beside = [&](const std::string& name) {
     return (std::filesystem::path(directory) / name).lexically_normal().string();
@@ -45,6 +75,7 @@ Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, co
     if (!included.ok()) return included;
     tree = Merged(std::move(tree).value(), std::move(included).value(), include.where);
   }
+  if (Status error = DefineModelFiles(file, path, overrides, tree.value()); !error.ok()) return error.error();
   return tree;
 }
 
@@ -237,7 +268,13 @@ Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& all
   if (IsBuildingPath(path) || IsLayoutPath(path, allowed)) return ReadSiteTree(path, allowed);
   if (IsGridPath(path, allowed)) return ReadGridTree(path, {}, allowed);
   const std::string ending = std::filesystem::path(path).extension().string();
-  if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path, allowed);
+  if (IsGazeboPath(path, allowed)) return ReadGazeboTree(path, allowed);
+  if (ending != ".yaml" && ending != ".yml") {
+    Result<WorldTree> tree = ParseStageWorld(path, allowed);
+    if (!tree.ok()) return tree;
+    if (Status error = ExpandModelFiles(allowed, tree.value()); !error.ok()) return error.error();
+    return tree;
+  }
   // The tree only names the map: an unreadable one would be found too late to name the right line.
   const Result<MapYaml> map = ReadMapYaml(path, {path}, allowed);
   if (!map.ok()) return map.error();
@@ -270,7 +307,7 @@ Result<ScenarioWorld> ReadScenarioWorldText(const std::string& text, const std::
   const ScenarioTools tools;
   const Result<ScenarioFile> file = ReadText(text, path, overrides, tools);
   if (!file.ok()) return file.error();
-  Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
+  Result<WorldTree> tree = ReadTree(file.value(), path, overrides, tools);
   if (!tree.ok()) return tree.error();
   for (const Property& property : file.value().properties) tree.value().world.Set(property);
   ScenarioWorld world{std::move(tree).value(), DefaultController(file.value(), overrides), {}};
@@ -286,7 +323,7 @@ Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& p
   const ScenarioTools tools;
   const Result<ScenarioFile> file = ReadText(text, path, overrides, tools);
   if (!file.ok()) return file.error();
-  Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
+  Result<WorldTree> tree = ReadTree(file.value(), path, overrides, tools);
   if (!tree.ok()) return tree;
   Result<ScenarioPlan> plan =
       ApplyScenario(file.value(), DefaultController(file.value(), overrides), std::move(tree).value());
@@ -309,7 +346,7 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   if (!read.ok()) return read.error();
   const ScenarioFile& file = read.value();
 
-  Result<WorldTree> tree = ReadTree(file, path, overrides.allowed, tools);
+  Result<WorldTree> tree = ReadTree(file, path, overrides, tools);
   if (!tree.ok()) return tree.error();
   Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), std::move(tree).value());
   if (!plan.ok()) return plan.error();

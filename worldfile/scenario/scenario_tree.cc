@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "worldfile/gazebo/gazebo_tree.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/stage/stage_world.h"
@@ -122,8 +123,10 @@ class Adder {
     return Status();
   }
 
-  // "scout0", "scout1", ...: the first that is free.
-  std::string FreeName(const std::string& prefix) {
+  // "scout0", "scout1", ...: the first that is free. Models of files have the file's name without its folder and
+  // ending.
+  std::string FreeName(const std::string& model) {
+    const std::string prefix = IsModelFile(model) ? std::filesystem::path(model).stem().stem().string() : model;
     for (std::size_t& number = next_numbers_[prefix];;) {
       std::string name = prefix + std::to_string(number++);
       if (!top_level_.contains(name)) return name;

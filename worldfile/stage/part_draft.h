@@ -1,4 +1,4 @@
-// PartDraft: a door or a lift as a reader of buildings knows it, typed, in m and rad. A node of a tree (world_tree.h)
+// PartDraft: a door, a lift or a body as a reader of another format knows it, typed, in m and rad. A node of a tree (world_tree.h)
 // has it in place of properties. A property of the node, which a scenario may set, counts before the draft, and has the
 // units of the file.
 #pragma once
@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "troupe/enum_names.h"
+#include "troupe/pose.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 
@@ -46,6 +48,20 @@ struct LiftDraft {
   double speed = 0.0;                    // m/s; 0: the default of lifts
 };
 
-using PartDraft = std::variant<DoorDraft, LiftDraft>;
+// A body, as a reader of SDF or URDF knows it.
+struct BodyDraft {
+  // A frame of the file on a model of a robot, tilted by roll about x, then by pitch about y.
+  struct Frame {
+    std::string name;
+    std::string part;  // the name below the robot's; empty: the robot
+    Pose X_MF = {};
+    double roll = 0.0;
+    double pitch = 0.0;
+  };
+  std::vector<Block> blocks;   // in the model's frame, normalized
+  std::vector<Frame> frames;   // of a robot
+};
+
+using PartDraft = std::variant<DoorDraft, LiftDraft, BodyDraft>;
 
 }  // namespace troupe

@@ -101,6 +101,7 @@ class MacroExpander {
     }
     applied.node.macros.insert(applied.node.macros.begin(), name);
     applied.node.where = where;
+    if (define.draft != nullptr) applied.node.draft = define.draft;
     if (Status error = AddBody(define, depth, applied.node); !error.ok()) return error.error();
     active_.pop_back();
     applied.below = nodes_ - nodes_before;

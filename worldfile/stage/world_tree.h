@@ -107,7 +107,7 @@ struct WorldNode {
   std::vector<Property> properties;  // names are unique
   ChildNodes children;
   SourceLocation where;
-  std::shared_ptr<const PartDraft> draft = {};  // of a building's door or lift; null for other nodes
+  std::shared_ptr<const PartDraft> draft = {};  // of a model from another format; null for other nodes
 
   const Property* Find(std::string_view name) const;
   // The content of a property that is a Value::Number, a std::string or a Value::Tuple. Null: the node has none of that
@@ -136,6 +136,7 @@ struct Define {
   std::vector<Property> properties;
   ChildNodes children;  // types may be macros
   SourceLocation where;
+  std::shared_ptr<const PartDraft> draft = {};  // of a model from another format; null for other defines
 };
 
 struct WorldTree {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "common/base/text.h"
@@ -104,6 +105,12 @@ std::string UnknownTypeMessage(const std::string& type, const std::map<std::stri
 
 Shape ModelReader::ReadShape(PropertyReader& reader, const ModelDraft& draft, BuildContext& context) {
   if (draft.map) return RosMapShape(reader, *draft.map, draft.size, draft.X_MD);
+  if (const auto* const body = std::get_if<BodyDraft>(draft.node.draft.get()); draft.node.draft && body != nullptr) {
+    reader.Use("noblocks");
+    Shape shape;
+    shape.blocks = body->blocks;
+    return Moved(std::move(shape), draft.X_MD);
+  }
   return ReadModelShape(reader, draft.type.has_body, draft.size, draft.X_MD, context);
 }
 

@@ -130,6 +130,7 @@ class PositionReader : public ModelReader {
 
   // A robot that carries units finds the models "source" and "sink" of its world, as in Stage.
   void Complete(BuildContext& context) override {
+    if (body_ != nullptr) AddFrames(context.world);
     if (!own_) return;
     RobotDescription& robot = context.world.robots[own_->index()];
     const Pose X_WR = context.world.models[robot.root.index()].X_PM;
@@ -156,6 +157,8 @@ class PositionReader : public ModelReader {
     robot.root = draft.id;
     robot.drive = ReadDrive(reader);
     robot.localization = ReadLocalization(reader, draft.model.X_PM, id, context.world.seed);
+    if (draft.node.draft != nullptr) body_ = std::get_if<BodyDraft>(draft.node.draft.get());
+    robot_ = id;
     if (const std::optional<ControllerDescription> controller = ReadController(reader, context)) {
       robot.controller = *controller;
       own_ = id;
@@ -166,7 +169,21 @@ class PositionReader : public ModelReader {
     return id;
   }
 
+  // The frames of the robot's URDF or SDF, on its models.
+  void AddFrames(WorldDescription& world) const {
+    RobotDescription& robot = world.robots[robot_.index()];
+    for (const BodyDraft::Frame& frame : body_->frames) {
+      ModelId model = robot.root;
+      for (std::size_t i = robot.root.index(); i < world.models.size() && !frame.part.empty(); ++i) {
+        if (world.models[i].name == robot.name + "." + frame.part) model = ModelId(i);
+      }
+      robot.frames.push_back({frame.name, model, frame.X_MF, frame.roll, frame.pitch});
+    }
+  }
+
   std::optional<RobotId> own_;  // that has a controller of the file
+  RobotId robot_;
+  const BodyDraft* body_ = nullptr;  // of a robot of another format; the tree outlives the build
 };
 
 using Json = nlohmann::json;

@@ -272,6 +272,7 @@ void AddSensor(PropertyReader& reader, const ModelDraft& draft, std::string_view
                BuildContext& context) {
   SensorDescription sensor;
   sensor.period_ticks = ReadPeriod(reader, context.world.interval_ns);
+  sensor.frame = reader.Text("frame", "");
   if (!draft.robot) {
     reader.diagnostics().Warn(draft.node.where,
                               "this " + std::string(noun) + " is on no robot, so it measures nothing");

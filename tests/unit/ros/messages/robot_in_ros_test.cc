@@ -202,6 +202,38 @@ TEST_F(RobotFramesTest, TheUrdfHasTheSameFramesWithLimitsAndAxes) {
             urdf.find("<origin", arm));
 }
 
+// The frames of a URDF: the first is the base, the others hang on what moves them, and the scanner measures in one.
+TEST_F(RobotFramesTest, KeepTheNamesOfTheRobotsFile) {
+  RobotDescription& robot = world_.world.robots[0];
+  const ModelId arm = world_.world.joints.back().model;
+  robot.frames = {{"base_footprint", robot.root, {}, 0.0, 0.0},
+                  {"lift_link", robot.root, {0.1, 0.2, 0.3, 0.5}, 0.0, 0.0},
+                  {"laser", arm, {0.0, 0.0, 0.1, -0.5 * kPi}, -0.5 * kPi, 0.0}};
+  robot.sensors[0].frame = "laser";
+  const Scene scene(world_.world);
+  EXPECT_EQ(BaseFrameOf(robot), "base_footprint");
+  EXPECT_EQ(FindRobotInRos(world_.world, parts_.robot, 7, {}).frames.base,
+            RobotNames(world_.world)[0] + "/base_footprint");
+  EXPECT_EQ(SensorTopicsOf(robot).lasers[0].frame, "laser");
+  EXPECT_EQ(SensorTopicsOf(robot).lasers[0].topic, "scan");
+  const RobotFrames frames = RobotFramesOf(scene, parts_.robot, FramesOf("r", true, BaseFrameOf(robot)));
+  ASSERT_EQ(frames.fixed.size(), 2u) << "the scanner has no frame of its own";
+  EXPECT_EQ(frames.fixed[0].parent, "r/base_footprint");
+  EXPECT_EQ(frames.fixed[0].frame, "r/lift_link");
+  EXPECT_EQ(frames.moving[0].frame, "r/lift_link_1") << "the name is taken";
+  EXPECT_EQ(frames.fixed[1].parent, "r/arm_link");
+  dds::WireArena arena;
+  // An optical frame: z ahead, x to the right.
+  const auto rotation = MakeTransform({}, frames.fixed[1], arena).transform.rotation;
+  EXPECT_NEAR(rotation.x, -0.5, 1e-12);
+  EXPECT_NEAR(rotation.y, 0.5, 1e-12);
+  EXPECT_NEAR(rotation.z, -0.5, 1e-12);
+  EXPECT_NEAR(rotation.w, 0.5, 1e-12);
+  const std::string urdf = MakeRobotDescription(scene, parts_.robot, "r", FramesOf("r", true, "base_footprint"));
+  EXPECT_THAT(urdf, HasSubstr(R"(<link name="r/base_footprint">)"));
+  EXPECT_THAT(urdf, HasSubstr(R"(<child link="r/laser"/><origin xyz="0 0 0.1" rpy="-1.5708 0 -1.5708"/>)"));
+}
+
 TEST_F(RobotFramesTest, MarkersAreInTheFrameOfTheirLink) {
   const Scene scene(world_.world);
   const RobotFrames frames = RobotFramesOf(scene, parts_.robot, FramesOf("r", true));
