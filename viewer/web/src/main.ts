@@ -4,6 +4,7 @@
 // and the scene is drawn at the next frame; panels are refreshed at most ten times a second, because text costs more
 // than a picture.
 import {Connection, type AgentInfo, type Proof, type SessionInfo} from './connection';
+import {Download} from './download';
 import {Dock, isTab, type Tab} from './dock';
 import {allow, byId, setOn, setText, tellRefusals, throttled, toast} from './dom';
 import {Driving, GripperButtons} from './driving';
@@ -111,6 +112,7 @@ class Viewer {
     onScenario: scenario => {
       this.timeBar.timeline.reset();  // a run that begins
       this.experiment.set(scenario);
+      this.download.set(scenario);
       this.toolbar.layOut();
     },
   });
@@ -156,6 +158,7 @@ class Viewer {
   private readonly expectations = new Expectations(
     this.connection, position => this.timeBar.timeline.seek(position), () => this.refresh());
   private readonly experiment = new Experiment(this.connection);
+  private readonly download = new Download();
   private readonly endCard = new EndCard(this.connection, {
     info: () => this.info,
     select: name => {
