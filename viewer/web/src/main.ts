@@ -16,6 +16,7 @@ import {save, Video} from './graphics';
 import {LevelChoice} from './levels';
 import type {Message, RunEvent, TimeSpan} from './protocol';
 import {EndCard} from './end_card';
+import {EventItems} from './event_items';
 import {EventList} from './events';
 import {Expectations} from './expectations';
 import {Experiment} from './experiment';
@@ -34,7 +35,7 @@ import {Popup, Toolbar} from './toolbar';
 export interface Fragment {
   robot?: string;
   view?: string;
-  levels?: string;  // of a building: beside, or the name of the one that is shown
+  levels?: string;  // of a building: stacked, beside, or the name of the one that is shown; none: as usual
   follow?: boolean;
   rays?: string;
   tab?: string;  // of the column
@@ -62,7 +63,7 @@ export function writeFragment(fragment: Fragment): void {
   const values = new URLSearchParams();
   if (fragment.robot) values.set('robot', fragment.robot);
   if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
-  if (fragment.levels && fragment.levels !== 'stacked') values.set('levels', fragment.levels);
+  if (fragment.levels) values.set('levels', fragment.levels);
   if (fragment.rays) values.set('rays', fragment.rays);
   if (fragment.tab && fragment.tab !== 'state') values.set('tab', fragment.tab);
   if (fragment.tick !== undefined) values.set('tick', String(fragment.tick));
@@ -151,7 +152,8 @@ class Viewer {
     refresh: () => this.refresh(),
     hint: robot => this.agentHint(robot),
   });
-  private readonly events = new EventList(event => this.showEvent(event));
+  private readonly eventItems = new EventItems();
+  private readonly events = new EventList(this.eventItems, event => this.showEvent(event), () => this.timeBar.show(this.run));
   private readonly plots = new Plots(
     byId('plots'), this.connection, position => this.timeBar.timeline.seek(position),
     robot => this.agents.of(robot)?.answer_seconds ?? null, () => this.fileName());
@@ -171,7 +173,7 @@ class Viewer {
 
   constructor() {
     this.agents = new Agents(this.connection, () => this.refresh());
-    this.timeBar = new TimeBar(this.connection, () => this.remember());
+    this.timeBar = new TimeBar(this.connection, this.eventItems, () => this.remember());
     this.editing = new Editing(this.scene, this.connection, {
       run: () => this.run,
       selected: () => this.selected,
@@ -265,7 +267,7 @@ class Viewer {
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
       byId('traffic').hidden = message.world.laneGraphs.length === 0;
       this.toolbar.layOut();
-      if (this.wantedLevels) this.scene.chooseLevels(this.wantedLevels);
+      if (this.wantedLevels || before === null) this.scene.chooseLevels(this.wantedLevels || this.usualLevels);
       this.wantedLevels = '';
       this.file?.worldChanged();
       this.timeBar.show(this.run);  // its buttons belong to this run, not to one that is over
@@ -285,6 +287,12 @@ class Viewer {
     this.scene.show(this.run, this.selected);
     this.panel.note(this.run, this.selected);
     this.refresh();
+  }
+
+  // How the levels of a building are shown at first: side by side, because the highest hides the others. An editor's
+  // tools are at their true heights.
+  private get usualLevels(): string {
+    return this.scene.levels.list.length > 1 && !this.file ? 'beside' : 'stacked';
   }
 
   private get selectedRobot(): number {
@@ -330,6 +338,7 @@ class Viewer {
   }
 
   private refreshPanels(): void {
+    if (this.run) this.eventItems.update(this.run.events, this.run.world.interval);
     this.timeBar.show(this.run);
     if (!this.run?.hasState) return;
     this.things.show(this.run, this.selected, this.scene.levels);
@@ -424,7 +433,7 @@ class Viewer {
   private remember(): void {
     const name = this.run && this.selected ? nameOf(this.run.world, this.selected) : this.wantedName;
     writeFragment({
-      robot: name, view: this.scene.view, levels: this.wantedLevels || this.scene.levels.choice, follow: this.scene.following, rays: this.allRays ? 'all' : '',
+      robot: name, view: this.scene.view, levels: this.wantedLevels || (this.scene.levels.choice === this.usualLevels ? '' : this.scene.levels.choice), follow: this.scene.following, rays: this.allRays ? 'all' : '',
       tab: this.dock.tab,
       fullQuality: this.scene.quality.fixed,
       smooth: this.scene.motion.enabled,
