@@ -28,7 +28,7 @@ function write(path, content) {
 }
 
 // Pages of documents by their paths in the tree.
-const documents = new Map([['README.md', 'home.html']]);
+const documents = new Map([['README.md', 'index.html']]);
 for (const name of readdirSync(join(root, 'docs')).filter(each => each.endsWith('.md')).sort()) {
   documents.set(`docs/${name}`, name === 'README.md' ? 'docs/about.html' : `docs/${name.slice(0, -3)}.html`);
 }
@@ -143,7 +143,6 @@ const documentPages = [...documents].filter(([source]) => source !== 'README.md'
 // The README is the start page: its picture is in front, and runs.
 function startPage() {
   const from = {source: 'README.md', path: 'index.html'};
-  documents.set('README.md', 'index.html');
   const text = readFileSync(join(root, 'README.md'), 'utf8');
   const [, introduction, picture, rest] = text.match(/^# Troupe\n([\s\S]*?)\n\[?(!\[[^\]]*\]\([^)]*\))[^\n]*\n([\s\S]*)$/);
   const show = part => render(part, href => target(from, href));
