@@ -247,10 +247,10 @@ class Viewer {
       return;
     }
     this.file = new FileEditor(this.connection, this.scene, this.editing, {
-      selectName: name => {
+      selectName: (name, center) => {
         const entity = this.run ? findEntity(this.run.world, name) : null;
         this.select(entity);
-        if (entity) this.scene.centerOn(entity);
+        if (entity && center) this.scene.centerOn(entity);
         this.file?.select(name);
       },
     }, viewOnly);
