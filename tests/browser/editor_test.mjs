@@ -92,6 +92,36 @@ async function movesATableOfAWorld() {
   await close(editor);
 }
 
+// A duplicate beside it, and a copy at the pointer, with all that the entry has; the picture stays where it is.
+async function copiesATable() {
+  cpSync(`${source}/worlds/include`, path('include'), {recursive: true});
+  writeFileSync(path('copied.world'), 'include "include/furniture.inc"\ntable ( name "desk" pose [ 1 1 0 30 ] color "blue" )  # mine\n');
+  const editor = await edit('copied.world');
+  const {page} = editor;
+  await page.click('.entity:has-text("desk")');
+  await until('it is selected', async () => (await page.textContent('#file-panel-name')) === 'desk');
+  const before = await ground(page, 0, 0);
+  await page.click('#file-duplicate');
+  await fileIs(page, 'there is a duplicate', now => now.entities.some(entity => entity.name === 'desk1'));
+  await until('the duplicate is selected', async () => (await page.textContent('#file-panel-name')) === 'desk1');
+  assert.deepEqual(await ground(page, 0, 0), before, 'the picture has not jumped');
+  // By keys, at the pointer, on the grid of 5 cm.
+  await page.click('.entity:has-text("desk")');
+  await page.locator('#scene').focus();
+  await page.keyboard.press('Control+c');
+  const at = await ground(page, -2, 2);
+  await page.mouse.move(at.x, at.y);
+  await page.keyboard.press('Control+v');
+  await fileIs(page, 'there is a copy', now => now.entities.some(entity => entity.name === 'desk2'));
+  await page.screenshot({path: path('copies.png')});
+  await save(page);
+  const text = read('copied.world');
+  assert.match(text, /# mine\ntable \( name "desk2" pose \[ -(2|1\.95|2\.05) (2|1\.95|2\.05) 0 30 \] color "blue" \)\ntable \( name "desk1" pose \[ 1\.5 0\.5 0 30 \] color "blue" \)/, text);
+  await page.click('#undo');
+  await fileIs(page, 'the copy is gone', now => !now.entities.some(entity => entity.name === 'desk2'));
+  await close(editor);
+}
+
 // The issue of heights: what is drawn in the two views is what robots meet.
 async function drawsAModel() {
   const editor = await edit('drawn.world');
@@ -556,6 +586,6 @@ async function refusesStrangers() {
   await close(open);
 }
 
-await pages.runAll([movesATableOfAWorld, drawsAModel, buildsAGripper, drawsABitmap, editsAScenario, refusesStrangers], path, () => {
+await pages.runAll([movesATableOfAWorld, copiesATable, drawsAModel, buildsAGripper, drawsABitmap, editsAScenario, refusesStrangers], path, () => {
   assert.ok(!readdirSync(files).some(name => name.startsWith('.')), 'no temporary file is left');
 });
