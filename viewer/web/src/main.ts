@@ -12,6 +12,7 @@ import {Editing} from './editing';
 import {DoorButtons} from './doors';
 import {Agents, agentText, EntityPanel} from './entity_panel';
 import {FileEditor} from './file_editor';
+import {GifRecording} from './gif_recording';
 import {save, Video} from './graphics';
 import {LevelChoice} from './levels';
 import type {Message, RunEvent, TimeSpan} from './protocol';
@@ -187,6 +188,7 @@ class Viewer {
     this.driving = new Driving(this.connection, {run: () => this.run, robot: () => this.selectedRobot});
     this.grippers = new GripperButtons(this.connection);
     this.doors = new DoorButtons(this.connection);
+    new GifRecording(this.scene.canvas, into => this.scene.drawInto(into), () => this.fileName());
     this.video = new Video(this.scene.canvas, () => this.fileName());
     const fragment = readFragment();
     this.wantedName = fragment.robot ?? '';

@@ -406,6 +406,12 @@ export class WorldScene {
     this.invalidate();
   }
 
+  // The present picture, to the size of the canvas.
+  drawInto(context: CanvasRenderingContext2D): void {
+    this.draw();
+    context.drawImage(this.canvas, 0, 0, context.canvas.width, context.canvas.height);
+  }
+
   picture(): string {
     this.draw();
     return this.canvas.toDataURL('image/png');
