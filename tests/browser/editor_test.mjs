@@ -122,6 +122,28 @@ async function copiesATable() {
   await close(editor);
 }
 
+// The waypoints of a robot are drawn into the picture.
+async function drawsWaypoints() {
+  cpSync(`${source}/worlds/include`, path('include'), {recursive: true});
+  writeFileSync(path('ways.world'), 'include "include/robots.inc"\nscout ( name "rover" pose [ 0 0 0 0 ] ctrl "go_to" )\n');
+  const editor = await edit('ways.world');
+  const {page} = editor;
+  await page.click('.entity:has-text("rover")');
+  await page.click('button[title="Draw the waypoints in the picture"]');
+  for (const [x, y] of [[2, 0], [2, 2]]) {
+    const at = await ground(page, x, y);
+    await page.mouse.click(at.x, at.y);
+  }
+  await page.screenshot({path: path('waypoints.png')});
+  await page.keyboard.press('Enter');
+  await fileIs(page, 'they are in the file', now => now.undo === 'the ctrl of rover');
+  await save(page);
+  const [, waypoints] = read('ways.world').match(/ctrl "go_to waypoints=(\[\[.*\]\])"/) ?? assert.fail(read('ways.world'));
+  JSON.parse(waypoints).forEach(([x, y], i) => assert.ok(Math.hypot(x - 2, y - 2 * i) < 0.1, waypoints));
+  await check('ways.world');
+  await close(editor);
+}
+
 // The issue of heights: what is drawn in the two views is what robots meet.
 async function drawsAModel() {
   const editor = await edit('drawn.world');
@@ -586,6 +608,6 @@ async function refusesStrangers() {
   await close(open);
 }
 
-await pages.runAll([movesATableOfAWorld, copiesATable, drawsAModel, buildsAGripper, drawsABitmap, editsAScenario, refusesStrangers], path, () => {
+await pages.runAll([movesATableOfAWorld, copiesATable, drawsWaypoints, drawsAModel, buildsAGripper, drawsABitmap, editsAScenario, refusesStrangers], path, () => {
   assert.ok(!readdirSync(files).some(name => name.startsWith('.')), 'no temporary file is left');
 });

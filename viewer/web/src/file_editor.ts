@@ -16,6 +16,7 @@ import {PlaceGrid} from './place_grid';
 import {PlanImport} from './plan_import';
 import type {WorldScene} from './scene';
 import {TextPane} from './text_pane';
+import {WaypointDrawing} from './waypoint_drawing';
 
 export interface FileEditorHost {
   // An entity of the scene, if it is one. `center`: the picture turns to it.
@@ -35,6 +36,7 @@ export class FileEditor {
   private readonly regions: SpawnRegions;
   private readonly panel: FilePanel;
   private readonly plan: PlanImport;
+  private readonly waypoints: WaypointDrawing;
   readonly text: TextPane;
   private help: EditorHelp = {properties: [], controllers: [], stage_controllers: {}, colors: {}};
   private palette: PaletteRow[] = [];
@@ -68,7 +70,13 @@ export class FileEditor {
       help: () => this.help,
       refresh: () => this.refresh(),
       renamed: name => this.select(name),
+      drawWaypoints: (from, done) => {
+        this.editing.cancel();
+        this.drawing.set('none');
+        this.waypoints.begin(from, done);
+      },
     }, viewOnly);
+    this.waypoints = new WaypointDrawing(scene);
     this.plan = new PlanImport(this.client, name => {
       toast(`${name} has the walls of the plan`);
       void this.refresh().then(() => this.scene.home());
@@ -114,6 +122,7 @@ export class FileEditor {
 
   // True if the key belongs to the editor.
   press(event: KeyboardEvent): boolean {
+    if (this.waypoints.press(event)) return true;
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 's') {
       void this.save();
       return true;
