@@ -143,7 +143,7 @@ export function showController(target: ControllerTarget, help: EditorHelp): HTML
     label.title = `${row.help}${row.unit ? ` (${row.unit})` : ''}${row.initial === null ? '' : `, default ${JSON.stringify(row.initial)}`}`;
     parameter.append(label, valueField(row, parameters[row.name], target.locked, value => void target.set(row.name, value)));
     if (row.name === WAYPOINTS && target.draw && !target.locked) {
-      const draw = make('button', 'plain', '⌖');
+      const draw = make('button', 'plain', '✎');
       draw.title = 'Draw the waypoints in the picture';
       draw.setAttribute('aria-label', draw.title);
       draw.onclick = () => target.draw?.(waypoints => void target.set(WAYPOINTS, waypoints));

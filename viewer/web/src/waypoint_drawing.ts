@@ -14,8 +14,7 @@ export class WaypointDrawing {
   private points: Vector3[] = [];
   private start: Vector3 | null = null;
   private done: ((waypoints: Waypoints) => void) | null = null;
-  private readonly geometry = new BufferGeometry();
-  private readonly line = new Line(this.geometry, new LineBasicMaterial({color: 0xe0602c, depthTest: false}));
+  private readonly line = new Line(new BufferGeometry(), new LineBasicMaterial({color: 0xe0602c, depthTest: false}));
 
   constructor(private readonly scene: WorldScene) {
     this.line.renderOrder = 3;
@@ -75,7 +74,8 @@ export class WaypointDrawing {
   private show(next: Vector3 | null): void {
     if (!this.start) return;
     const end = next ? [new Vector3(next.x, next.y, HEIGHT)] : [];
-    this.geometry.setFromPoints([this.start, ...this.points, ...end]);
+    this.line.geometry.dispose();
+    this.line.geometry = new BufferGeometry().setFromPoints([this.start, ...this.points, ...end]);
     this.line.visible = true;
     this.scene.invalidate();
   }
