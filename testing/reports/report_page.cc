@@ -18,8 +18,9 @@ constexpr std::size_t kMaxFaults = 100;   // that the page shows in full
 constexpr std::size_t kFirstFaults = 10;  // of them, those that are not behind one more click
 constexpr std::size_t kMaxGroups = 200;   // rows of a table of metrics
 
-// In the page, which is one file without scripts, to be opened from a disk or a build server. Light or dark as the system.
-// Plots have their colours in their elements, since they are files of their own, too; here the dark theme replaces them.
+// In the page, which is one file without scripts, to be opened from a disk or a build server. Light or dark as the
+// system. Plots have their colours in their elements, since they are files of their own, too; here the dark theme
+// replaces them.
 constexpr const char* kStyle =
     R"(:root{color-scheme:light;--page:#fff;--side:#f3f5f8;--line:#ccd2da;--text:#1d2430;--accent:#1d5bc0;
 --passed:#1a7543;--failed:#b3261e;--error:#8a5200;--not-run:#5d6672}
@@ -223,7 +224,7 @@ std::string CaseReport::PageOf(const Entry& entry) const {
   if (!test.expect.empty()) {
     html += TableBegin("Expectations") +
             "<tr><th>expectation</th><th>formula</th><th>holds</th><th>fails</th><th>least robustness</th><th>in "
-        "case</th></tr>\n";
+            "case</th></tr>\n";
     for (std::size_t i = 0; i < test.expect.size(); ++i) {
       std::uint64_t holds = 0;
       std::uint64_t fails = 0;

@@ -352,8 +352,7 @@ Result<std::string> Editor::Copy(const std::string& name, const Pose& pose) {
   const std::string label = "the addition of " + copy;
   if (place.statement != nullptr) {
     std::string entry(place.statement->span.Of(text()));
-    for (const auto& [property, value] :
-         {std::pair("name", Text(copy)), std::pair("pose", PoseValue(entity, pose))}) {
+    for (const auto& [property, value] : {std::pair("name", Text(copy)), std::pair("pose", PoseValue(entity, pose))}) {
       const Result<StageTree> alone = ParseStage(entry, path());
       if (!alone.ok()) return alone.error();
       entry = WithProperty(entry, BodyOf(alone.value().statements.front()), property, value);
@@ -362,9 +361,9 @@ Result<std::string> Editor::Copy(const std::string& name, const Pose& pose) {
     return failure.ok() ? Result<std::string>(copy) : failure.error();
   }
   const JsonNode* const old = place.entry->Find("pose");
-  std::string numbers =
-      PlainNumber(pose.x, kLengthDecimals) + ", " + PlainNumber(pose.y, kLengthDecimals) + ", ";
-  if (pose.z != 0.0 || (old != nullptr && old->items.size() == 4)) numbers += PlainNumber(pose.z, kLengthDecimals) + ", ";
+  std::string numbers = PlainNumber(pose.x, kLengthDecimals) + ", " + PlainNumber(pose.y, kLengthDecimals) + ", ";
+  if (pose.z != 0.0 || (old != nullptr && old->items.size() == 4))
+    numbers += PlainNumber(pose.z, kLengthDecimals) + ", ";
   numbers += PlainNumber(WrappedDegrees(pose.heading * 180.0 / std::numbers::pi), kHeadingDecimals);
   std::string entry(place.entry->span.Of(text()));
   for (const auto& [key, value] :

@@ -305,9 +305,7 @@ class Decoder {
     return operation;
   }
 
-  EditOperation Copy() {
-    return edit::Copy{Text("name"), PoseOf()};
-  }
+  EditOperation Copy() { return edit::Copy{Text("name"), PoseOf()}; }
 
   EditOperation AddModel() {
     edit::AddModel operation;
