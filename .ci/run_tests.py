@@ -52,6 +52,7 @@ EXPECTED = (
      lambda: is_missing("build/arm64/bin/troupe")() or is_missing("build/arm64/bin/robot-agent")()),
     (r"no qemu-aarch64-static", lambda: not shutil.which("qemu-aarch64-static")),
     (r"needs Linux 6.7", cannot("--user", "--map-root-user", "--mount", "mount", "-t", "binfmt_misc", "none", "/mnt")),
+    (r"no git repository", is_missing(".git")),
     (r"no WebAssembly module", is_missing("build/wasm/bin/troupe-core.wasm")),
     (r"debootstrap makes no base image", lambda: True),  # without a mirror of Debian
     (r"forbidden here", lambda: True),  # personality(), in some containers

@@ -11,7 +11,8 @@ namespace troupe {
 JsonWriter& JsonWriter::Value(double number) {
   if (!std::isfinite(number)) return Null();
   char digits[32];
-  return Raw({digits, std::to_chars(digits, digits + sizeof digits, number).ptr});
+  const char* const end = std::to_chars(digits, digits + sizeof digits, number).ptr;
+  return Raw({digits, static_cast<std::size_t>(end - digits)});
 }
 
 JsonWriter& JsonWriter::Value(std::span<const double> numbers) {

@@ -45,7 +45,8 @@ class JsonWriter {
   template <std::integral Integer>
   requires(!std::same_as<Integer, bool>) JsonWriter& Value(Integer integer) {
     char digits[std::numeric_limits<Integer>::digits10 + 3];
-    return Raw({digits, std::to_chars(digits, digits + sizeof digits, integer).ptr});
+    const char* const end = std::to_chars(digits, digits + sizeof digits, integer).ptr;
+    return Raw({digits, static_cast<std::size_t>(end - digits)});
   }
   JsonWriter& Null() { return Raw("null"); }
   // The text of a value.

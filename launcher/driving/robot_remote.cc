@@ -63,7 +63,8 @@ Result<Pose> RobotRemote::FindPlace(const std::string& name) {
   if (reply.ok() && reply.value().entities.size() == 1 && reply.value().entities.front().type == "place") {
     return reply.value().entities.front().X_WE;
   }
-  return Failure("the world has no place '" + name + "'");
+  // The service's reason has the most similar name.
+  return reply.ok() ? Failure("'" + name + "' is no place") : reply.error();
 }
 
 Result<ControlReply> RobotRemote::Send(const RobotCommand& command, std::uint64_t ticks) {

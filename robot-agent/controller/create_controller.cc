@@ -305,7 +305,9 @@ Status CheckControllerNeeds(const WorldDescription& world, std::span<const Robot
     const std::optional<BuiltInController> controller = FindBuiltIn(description.controller.name);
     if (!controller || controller->check_in_world == nullptr) continue;
     const auto [first, last] = std::equal_range(lights.begin(), lights.end(), LightPlace{robot, {}}, is_before);
-    RobotInfo info = InfoInWorld(world, robot, Manipulator(world, robot), std::span(first, last));
+    const std::span<const LightPlace> own = std::span(lights).subspan(static_cast<std::size_t>(first - lights.begin()),
+                                                                      static_cast<std::size_t>(last - first));
+    RobotInfo info = InfoInWorld(world, robot, Manipulator(world, robot), own);
     for (const SensorDescription& sensor : description.sensors) info.sensors.push_back({&sensor, {}});
     if (Status status = controller->check_in_world(info); !status.ok()) {
       return Error{{}, fmt::format("robot '{}': {}", description.name, status.error().message)};

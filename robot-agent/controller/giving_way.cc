@@ -48,7 +48,7 @@ std::optional<BlockEnd> GivingWay::OnBlocked(const LanePlace& place, RobotId oth
 
 std::optional<BlockEnd> GivingWay::OnObstacle(const LanePlace& place, const Leg& leg, bool is_away, bool is_back_free) {
   const double time = place.now.time;
-  if (!obstacle_wait_) obstacle_wait_ = {.until = time + kObstacleSeconds};
+  if (!obstacle_wait_) obstacle_wait_ = ObstacleWait{.until = time + kObstacleSeconds};
   ObstacleWait& wait = *obstacle_wait_;
   wait.seen_at = time;
   BlockEnd end;

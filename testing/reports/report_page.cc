@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
 #include "common/base/xml_text.h"
 #include "testing/reports/case_report.h"
@@ -18,17 +19,33 @@ constexpr std::size_t kMaxFaults = 100;   // that the page shows in full
 constexpr std::size_t kFirstFaults = 10;  // of them, those that are not behind one more click
 constexpr std::size_t kMaxGroups = 200;   // rows of a table of metrics
 
-// In the page, which is one file without scripts, to be opened from a disk or a build server.
+// In the page, which is one file without scripts, to be opened from a disk or a build server. Light or dark as the
+// system. Plots have their colours in their elements, since they are files of their own, too; here the dark theme
+// replaces them.
 constexpr const char* kStyle =
-    R"(body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:70em;padding:0 1em;color:#222}
-h1{font-size:1.5em}h2{font-size:1.25em;border-bottom:1px solid #ccc;margin-top:2em}h3{font-size:1.05em}
-table{border-collapse:collapse;margin:.7em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:left;font-weight:normal}
-th{background:#f3f3f3}td.n{text-align:right;font-variant-numeric:tabular-nums}
-code{background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}
-.passed{color:#1e7a3c}.failed{color:#b3261e}.error{color:#8a5a00}.not-run{color:#666}
-.grid span{display:inline-block;width:10px;height:10px;margin:1px}
-.grid .passed{background:#4caf6f}.grid .failed{background:#c0392b}.grid .error{background:#e6a323}.grid .not-run{background:#bbb}
-details{border:1px solid #ddd;padding:.4em .8em;margin:.6em 0}summary{cursor:pointer}img,svg{max-width:100%})";
+    R"(:root{color-scheme:light;--page:#fff;--side:#f3f5f8;--line:#ccd2da;--text:#1d2430;--accent:#1d5bc0;
+--passed:#1a7543;--failed:#b3261e;--error:#8a5200;--not-run:#5d6672}
+@media(prefers-color-scheme:dark){:root{color-scheme:dark;--page:#1c2128;--side:#14181e;--line:#3b4450;--text:#e4e8ee;--accent:#76abff;
+--passed:#4cc083;--failed:#ff8a7a;--error:#f0a03c;--not-run:#a3aebb}
+svg{color:var(--text)}svg text{fill:currentColor}svg [fill="#fff"]{fill:var(--page)}svg [stroke="#ddd"]{stroke:var(--line)}
+svg [stroke="#2471a3"]{stroke:var(--accent)}svg [fill="#2471a3"]{fill:var(--accent)}svg [stroke="#c0392b"]{stroke:var(--failed)}}
+body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:70em;padding:0 1em;color:var(--text);background:var(--page)}
+a{color:var(--accent)}h1{font-size:1.5em}h2{font-size:1.25em;border-bottom:1px solid var(--line);margin-top:2em}h3{font-size:1.05em}
+.table{overflow-x:auto;margin:.7em 0}table{border-collapse:collapse}
+td,th{border:1px solid var(--line);padding:.2em .6em;text-align:left;font-weight:normal}
+th{background:var(--side)}td.n{text-align:right;font-variant-numeric:tabular-nums}
+code{background:var(--side);padding:.1em .3em;overflow-wrap:anywhere}
+.passed{color:var(--passed)}.failed{color:var(--failed)}.error{color:var(--error)}.not-run{color:var(--not-run)}
+.grid span{display:inline-block;width:10px;height:10px;margin:1px;background:currentColor}
+.plots{display:flex;flex-wrap:wrap;gap:12px}
+details{border:1px solid var(--line);padding:.4em .8em;margin:.6em 0}summary{cursor:pointer}img,svg{max-width:100%;height:auto})";
+
+// A table that is wider than a phone moves in its own place.
+constexpr const char* kTableEnd = "</table></div>\n";
+
+std::string TableBegin(const std::string& name) {
+  return "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"" + XmlText(name) + "\"><table>";
+}
 
 std::string ClassOf(CaseVerdict verdict) {
   return verdict == CaseVerdict::kNotRun ? "not-run" : NameOf(verdict);
@@ -160,10 +177,11 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
     if (metric < row.metrics.size() && row.metrics[metric]) group.statistics.Add(*row.metrics[metric]);
     if (metric < row.undefined.size()) undefined += row.undefined[metric];
   }
+  const std::string title = WithUnit(entry.test.metrics[metric], entry.test.units[metric]);
   std::string html = fmt::format(
-      "<h3>{}</h3>\n<table><tr><th>case</th><th>runs</th><th>mean</th><th>95 % confidence</th>"
+      "<h3>{}</h3>\n{}<tr><th>case</th><th>runs</th><th>mean</th><th>95 % confidence</th>"
       "<th>deviation</th><th>least</th><th>greatest</th></tr>\n",
-      XmlText(WithUnit(entry.test.metrics[metric], entry.test.units[metric])));
+      XmlText(title), TableBegin(title));
   std::size_t shown = 0;
   for (const std::string& name : names) {
     const auto& [runs, statistics] = groups.at(name);
@@ -181,7 +199,7 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
         statistics.count() == 0 ? "" : Shown(statistics.deviation()),
         statistics.count() == 0 ? "" : Shown(statistics.min()), statistics.count() == 0 ? "" : Shown(statistics.max()));
   }
-  html += "</table>\n";
+  html += kTableEnd;
   if (undefined > 0) {
     html += fmt::format("<p>{} no number, as 0 / 0, and left out</p>\n",
                         undefined == 1 ? "1 value of a tick was" : fmt::format("{} values of ticks were", undefined));
@@ -199,10 +217,15 @@ std::string CaseReport::PageOf(const Entry& entry) const {
   std::string html =
       fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {}{}</p>\n", XmlText(test.name), XmlText(test.path), cases,
                   kept > 0 ? fmt::format(", and {} kept case{}", kept, kept == 1 ? "" : "s") : "");
+  // What one looks for first: the plots, as those of a sweep, or the cases that did not pass.
+  std::string plots;
+  for (const auto& [name, svg] : Plots(entry)) plots += svg;
+  if (!plots.empty()) plots = "<div class=\"plots\">\n" + plots + "</div>\n";
+  if (entry.faults.empty()) html += std::exchange(plots, "");
   if (!test.expect.empty()) {
-    html +=
-        "<table><tr><th>expectation</th><th>formula</th><th>holds</th><th>fails</th><th>least robustness</th><th>in "
-        "case</th></tr>\n";
+    html += TableBegin("Expectations") +
+            "<tr><th>expectation</th><th>formula</th><th>holds</th><th>fails</th><th>least robustness</th><th>in "
+            "case</th></tr>\n";
     for (std::size_t i = 0; i < test.expect.size(); ++i) {
       std::uint64_t holds = 0;
       std::uint64_t fails = 0;
@@ -219,10 +242,10 @@ std::string CaseReport::PageOf(const Entry& entry) const {
           nearest != nullptr ? Shown(nearest->robustness[i]) : "",
           nearest != nullptr ? XmlText(CaseText(nearest->draws)) : "");
     }
-    html += "</table>\n";
+    html += kTableEnd;
   }
   if (!test.cover.empty()) {
-    html += "<table><tr><th>situation</th><th>cases that reach it</th></tr>\n";
+    html += TableBegin("Situations") + "<tr><th>situation</th><th>cases that reach it</th></tr>\n";
     for (std::size_t i = 0; i < test.cover.size(); ++i) {
       const auto reached = std::count_if(entry.rows.begin(), entry.rows.end(), [&](const auto& row) {
         return !row.second.kept && i < row.second.covered.size() && row.second.covered[i];
@@ -230,9 +253,9 @@ std::string CaseReport::PageOf(const Entry& entry) const {
       html += fmt::format("<tr><td>{}</td><td class=\"n {}\">{}</td></tr>\n", XmlText(test.cover[i]),
                           reached == 0 ? "failed" : "", reached);
     }
-    html += "</table>\n";
+    html += kTableEnd;
   }
-  html += "<p class=\"grid\">";
+  html += "<p class=\"grid\" role=\"img\" aria-label=\"A square for each case\">";
   constexpr std::size_t kMaxSquares = 5000;
   std::size_t squares = 0;
   for (const auto& [number, row] : entry.rows) {
@@ -251,15 +274,15 @@ std::string CaseReport::PageOf(const Entry& entry) const {
     html += FaultText(test, fault, shown == 1);
   }
   if (shown > kFirstFaults) html += "</details>\n";
+  html += plots;
   for (std::size_t i = 0; i < test.metrics.size(); ++i) html += MetricTable(entry, i);
-  for (const auto& [name, svg] : Plots(entry)) html += svg;
   return html;
 }
 
 std::string CaseReport::Page() const {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Cases</title>\n"
-      "<meta name=\"viewport\" content=\"width=device-width\">\n<style>{}</style></head><body>\n<h1>",
+      "<meta name=\"viewport\" content=\"width=device-width\">\n<style>{}</style></head><body><main>\n<h1>",
       kStyle);
   const auto list = [&](const auto& count_of) {
     bool first = true;
@@ -280,7 +303,7 @@ std::string CaseReport::Page() const {
   }
   html += "</h1>\n";
   for (const Entry& entry : entries_) html += PageOf(entry);
-  return html + "</body></html>\n";
+  return html + "</main></body></html>\n";
 }
 
 }  // namespace troupe

@@ -92,6 +92,58 @@ async function movesATableOfAWorld() {
   await close(editor);
 }
 
+// A duplicate beside it, and a copy at the pointer, with all that the entry has; the picture stays where it is.
+async function copiesATable() {
+  cpSync(`${source}/worlds/include`, path('include'), {recursive: true});
+  writeFileSync(path('copied.world'), 'include "include/furniture.inc"\ntable ( name "desk" pose [ 1 1 0 30 ] color "blue" )  # mine\n');
+  const editor = await edit('copied.world');
+  const {page} = editor;
+  await page.click('.entity:has-text("desk")');
+  await until('it is selected', async () => (await page.textContent('#file-panel-name')) === 'desk');
+  const before = await ground(page, 0, 0);
+  await page.click('#file-duplicate');
+  await fileIs(page, 'there is a duplicate', now => now.entities.some(entity => entity.name === 'desk1'));
+  await until('the duplicate is selected', async () => (await page.textContent('#file-panel-name')) === 'desk1');
+  assert.deepEqual(await ground(page, 0, 0), before, 'the picture has not jumped');
+  // By keys, at the pointer, on the grid of 5 cm.
+  await page.click('.entity:has-text("desk")');
+  await page.locator('#scene').focus();
+  await page.keyboard.press('Control+c');
+  const at = await ground(page, -2, 2);
+  await page.mouse.move(at.x, at.y);
+  await page.keyboard.press('Control+v');
+  await fileIs(page, 'there is a copy', now => now.entities.some(entity => entity.name === 'desk2'));
+  await page.screenshot({path: path('copies.png')});
+  await save(page);
+  const text = read('copied.world');
+  assert.match(text, /# mine\ntable \( name "desk2" pose \[ -(2|1\.95|2\.05) (2|1\.95|2\.05) 0 30 \] color "blue" \)\ntable \( name "desk1" pose \[ 1\.5 0\.5 0 30 \] color "blue" \)/, text);
+  await page.click('#undo');
+  await fileIs(page, 'the copy is gone', now => !now.entities.some(entity => entity.name === 'desk2'));
+  await close(editor);
+}
+
+// The waypoints of a robot are drawn into the picture.
+async function drawsWaypoints() {
+  cpSync(`${source}/worlds/include`, path('include'), {recursive: true});
+  writeFileSync(path('ways.world'), 'include "include/robots.inc"\nscout ( name "rover" pose [ 0 0 0 0 ] ctrl "go_to" )\n');
+  const editor = await edit('ways.world');
+  const {page} = editor;
+  await page.click('.entity:has-text("rover")');
+  await page.click('button[title="Draw the waypoints in the picture"]');
+  for (const [x, y] of [[2, 0], [2, 2]]) {
+    const at = await ground(page, x, y);
+    await page.mouse.click(at.x, at.y);
+  }
+  await page.screenshot({path: path('waypoints.png')});
+  await page.keyboard.press('Enter');
+  await fileIs(page, 'they are in the file', now => now.undo === 'the ctrl of rover');
+  await save(page);
+  const [, waypoints] = read('ways.world').match(/ctrl "go_to waypoints=(\[\[.*\]\])"/) ?? assert.fail(read('ways.world'));
+  JSON.parse(waypoints).forEach(([x, y], i) => assert.ok(Math.hypot(x - 2, y - 2 * i) < 0.1, waypoints));
+  await check('ways.world');
+  await close(editor);
+}
+
 // The issue of heights: what is drawn in the two views is what robots meet.
 async function drawsAModel() {
   const editor = await edit('drawn.world');
@@ -556,6 +608,6 @@ async function refusesStrangers() {
   await close(open);
 }
 
-await pages.runAll([movesATableOfAWorld, drawsAModel, buildsAGripper, drawsABitmap, editsAScenario, refusesStrangers], path, () => {
+await pages.runAll([movesATableOfAWorld, copiesATable, drawsWaypoints, drawsAModel, buildsAGripper, drawsABitmap, editsAScenario, refusesStrangers], path, () => {
   assert.ok(!readdirSync(files).some(name => name.startsWith('.')), 'no temporary file is left');
 });

@@ -31,8 +31,10 @@ const end = (page, run) => pages.closeRun(page, run);
 
 async function choosesLevels() {
   const {run, page} = await start('choice', 'view=top');
-  assert.deepEqual(await levels(page), {names: ['L1', 'L2'], choice: 'stacked'});
+  assert.deepEqual(await levels(page), {names: ['L1', 'L2'], choice: 'beside'});
   const list = page.locator('#levels');
+  await list.selectOption('stacked');
+  assert.equal(new URLSearchParams(new URL(page.url()).hash.slice(1)).get('levels'), 'stacked');
   assert.deepEqual(await list.locator('option').allTextContents(), ['All levels', 'Side by side', 'Level L2', 'Level L1']);
 
   // A robot is added upstairs by a click: on the floor of the level that is shown.
@@ -55,7 +57,7 @@ async function choosesLevels() {
   // Side by side: the upper level is right of the lower one, and a click there selects what is there.
   await list.selectOption('beside');
   await until('all have labels', async () => (await labels(page)).length === 3);
-  assert.equal(new URLSearchParams(new URL(page.url()).hash.slice(1)).get('levels'), 'beside');
+  assert.equal(new URLSearchParams(new URL(page.url()).hash.slice(1)).get('levels'), null, 'it is the usual view');
   const above = await placeOf(page, added.name);
   const below = await page.evaluate(() => window.troupe.groundPoint(3, -4));
   const scale = (await page.evaluate(() => window.troupe.groundPoint(4, -4))).x - below.x;

@@ -2,7 +2,7 @@
 // alone, and a robot that is driven by touch.
 //   node page_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
-import {mkdirSync} from 'node:fs';
+import {mkdirSync, readFileSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
@@ -299,4 +299,52 @@ async function explainsWhatIsNotPossible() {
   await close(page, shown);
 }
 
-await pages.runAll([fitsWindowsOfAllSizes, doesTenTasksByKeys, drivesByTouch, explainsWhatIsNotPossible], path);
+// The marks of the timeline say what they stand for, by kinds that can be hidden; a film of them is a GIF that browsers read.
+async function tellsEventsAndRecordsAPicture() {
+  const recording = path('events.mcap');
+  const made = new Program(troupe, ['run', `${source}/worlds/scenarios/demo.json`, '--headless', '--in-process', '--no-ros', '--ticks', '400', '--record', recording]);
+  assert.equal(await made.end, 0, made.lines.join('\n'));
+  const shown = new Program(troupe, ['view', recording, '--listen', '127.0.0.1:0']);
+  const page = await open(`${await shown.line('viewer: ')}#tab=events`, 1280, 720);
+  const chips = page.locator('.event-kinds .chip:visible');
+  await until('kinds are listed', async () => (await chips.count()) > 2);
+  const axis = await page.locator('#timeline').boundingBox();
+  const tips = async () => {
+    const found = new Set();
+    for (let x = 4; x < axis.width; x += 12) {
+      await page.mouse.move(axis.x + x, axis.y + 10);
+      if (await page.isVisible('#timeline-tip')) found.add(await page.textContent('#timeline-tip'));
+    }
+    return [...found].join('\n');
+  };
+  assert.match(await tips(), /\d:\d\d\.\d .*gino: .* holds/);
+  await page.click('.chip:has-text("Objects")');
+  const others = await until('objects are hidden', async () => {
+    const now = await tips();
+    return now.includes('holds') ? null : now || 'none';
+  });
+  assert.ok(!others.includes('objects'), others);
+
+  await page.click('#play');
+  await page.click('#gif');
+  assert.ok(await isOn(page, 'gif'));
+  const tick = (await stateOf(page)).tick;
+  await until('it moves', async () => Math.abs((await stateOf(page)).tick - tick) > 15);
+  const saved = page.waitForEvent('download');
+  await page.click('#gif');
+  const download = await saved;
+  assert.match(download.suggestedFilename(), /^events\.mcap-\d+\.gif$/);
+  await download.saveAs(path('events.gif'));
+  const data = readFileSync(path('events.gif')).toString('base64');
+  const decoded = await page.evaluate(async text => {
+    const decoder = new ImageDecoder({type: 'image/gif', data: Uint8Array.from(atob(text), letter => letter.charCodeAt(0))});
+    await decoder.tracks.ready;
+    const count = decoder.tracks.selectedTrack.frameCount;
+    const {image} = await decoder.decode({frameIndex: count - 1});
+    return {count, width: image.displayWidth, complete: (await decoder.decode({frameIndex: 0})).complete};
+  }, data);
+  assert.ok(decoded.count > 2 && decoded.width === 640 && decoded.complete, JSON.stringify(decoded));
+  await close(page, shown);
+}
+
+await pages.runAll([tellsEventsAndRecordsAPicture, fitsWindowsOfAllSizes, doesTenTasksByKeys, drivesByTouch, explainsWhatIsNotPossible], path);

@@ -2,6 +2,7 @@
 // runs in the page, is stepped, changed and started again.
 //   node static_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
 import {cpSync, existsSync, mkdirSync, readFileSync, rmSync, statSync, writeFileSync} from 'node:fs';
 import {gunzipSync, gzipSync} from 'node:zlib';
 import {Pages} from './pages.mjs';
@@ -12,7 +13,7 @@ if (!existsSync(`${source}/build/wasm/bin/troupe-core.wasm`)) {
   console.log('static_test: no WebAssembly module (preset wasm); nothing was checked');
   process.exit(77);
 }
-const pages = await Pages.launch('static_test', source);
+const pages = await Pages.launch('static_test', source, ['axe-core']);
 rmSync(files, {recursive: true, force: true});
 mkdirSync(files, {recursive: true});
 const path = name => `${files}/${name}`;
@@ -228,6 +229,33 @@ async function aRunIsStartedAgainWithOtherValues() {
   assert.equal(again.hash, end.hash);
 }
 
+// What the page runs, with changed values, is a scenario for the programs; of a recording it is the recording.
+async function whatItShowsIsDownloaded() {
+  const {page} = await open(path('swarm.html'));
+  await until('the run has begun', () => stateOf(page));
+  await page.click('#experiment-open');
+  await page.fill('#experiment-seed', '7');
+  await page.fill('input[aria-label="scout: count"]', '2');
+  await page.click('#experiment .strong');
+  await until('the other run is shown', async () => (await page.evaluate(() => window.troupe.robots().length)) === 3);
+  const stopped = await paused(page);
+  const save = async (from, name) => {
+    const waiting = from.waitForEvent('download');
+    await from.evaluate(() => document.getElementById('download').click());
+    const download = await waiting;
+    assert.equal(download.suggestedFilename(), name);
+    await download.saveAs(path(`saved-${name}`));
+  };
+  await save(page, 'swarm.zip');
+  execFileSync('python3', ['-m', 'zipfile', '-e', path('saved-swarm.zip'), path('unpacked')]);
+  const host = await hashesOf(path('unpacked/swarm/swarm.json'), Math.max(stopped.tick, 1), '--seed', '7');
+  assert.equal(stopped.hash, host[stopped.tick]);
+  const recorded = (await open(path('run.html'))).page;
+  await until('the page has a state', () => stateOf(recorded));
+  await save(recorded, 'run.mcap');
+  await run('replay', path('saved-run.mcap'), '--verify');
+}
+
 async function aRobotIsMovedAndTheRunReset() {
   const {page} = await open(path('swarm.html'));
   await until('the run has begun', () => stateOf(page));
@@ -259,6 +287,7 @@ async function aPhoneShowsIt() {
   await page.goto(`file://${path('swarm.html')}`);
   await until('the run has begun', () => stateOf(page));
   await page.screenshot({path: path('phone.png')});
+  assert.deepEqual(await pages.findings(page), []);
   const hash = await page.locator('#proof').boundingBox();
   assert.ok(hash.x >= 0 && hash.x + hash.width <= 390, JSON.stringify(hash));
 }
@@ -297,6 +326,6 @@ async function aCaseThatFailsLeavesAPage() {
 
 await pages.runAll([
   theBadgeTellsThatAllStatesAreEqual, everyStateAndReadingIsThatOfTheRun, aChangedByteIsNamed, aScenarioRunsInThePage,
-  mapsAndBuildingsRunInThePage, aRunIsStartedAgainWithOtherValues, aRobotIsMovedAndTheRunReset, aPhoneShowsIt, whatAPageCannotRunIsTold,
+  mapsAndBuildingsRunInThePage, aRunIsStartedAgainWithOtherValues, whatItShowsIsDownloaded, aRobotIsMovedAndTheRunReset, aPhoneShowsIt, whatAPageCannotRunIsTold,
   aCaseThatFailsLeavesAPage,
 ], path);

@@ -198,7 +198,9 @@ TEST_F(Driving, ToolsNameWhatIsWrong) {
   } cases[] = {
       {{"walker"}, 2, "error: found no point, expected X,Y, X,Y,HEADING or a place"},
       {{"walker", "1,2", "--cancel"}, 2, "error: found points together with --cancel, expected one of them"},
-      {{"walker", "1"}, 3, "error: the world has no place '1'"},
+      {{"walker", "1"}, 3, "error: the world has no entity '1'"},
+      {{"walkr", "1,2"}, 3, "error: the world has no entity 'walkr'; did you mean 'walker'?"},
+      {{"walker", "crate"}, 3, "error: 'crate' is no place"},
       {{"walker", "1,2,x"}, 2, "error: found '1,2,x', expected"},
       {{"walker", "1,nan"}, 2, "error: found '1,nan', expected"},
       {{"walker", "1,2,90", "3,4"}, 2, "error: found '1,2,90', expected X,Y of a point before the last one in metres"},

@@ -161,7 +161,8 @@ TEST(LanesOverDds, LeadToPlacesThatUsersName) {
                     status);
   };
   EXPECT_THAT(go("room_1", 0), testing::ContainsRegex("tiny_1 is at (2\\.9|3\\.0)"));
-  EXPECT_THAT(go("attic", 3), testing::HasSubstr("error: the world has no place 'attic'"));
+  EXPECT_THAT(go("attic", 3), testing::HasSubstr("error: the world has no entity 'attic'"));
+  EXPECT_THAT(go("rom_1", 3), testing::HasSubstr("error: the world has no entity 'rom_1'; did you mean 'room_"));
   EXPECT_THAT(OutputOf(Troupe(Words("ctl --domain % --session % get room_1", {std::to_string(TestDomain()), session}))),
               testing::HasSubstr("room_1"));
   run.Interrupt();

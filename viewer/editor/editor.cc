@@ -333,6 +333,49 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   return name;
 }
 
+// The copy is changed as a text of its own, so that it has the comments and the form of the entry.
+Result<std::string> Editor::Copy(const std::string& name, const Pose& pose) {
+  const Result<const EditedEntity*> found = FindEntity(name);
+  if (!found.ok()) return found.error();
+  const EditedEntity& entity = *found.value();
+  if (!IsFinite(pose)) return Error{{}, "found a pose that is not finite"};
+  if (entity.parent != nullptr || entity.on_shelf) {
+    return Error{{}, Quoted(name) + " has no place of its own in this file, expected a whole model of the world"};
+  }
+  const Result<Place> found_place = PlaceOf(entity);
+  if (!found_place.ok()) return found_place.error();
+  const Place& place = found_place.value();
+  // A model without a name has the name of its type, a colon and a number.
+  std::string prefix = name.substr(0, name.find_last_not_of("0123456789") + 1);
+  if (prefix.ends_with(':')) prefix.pop_back();
+  std::string copy = FreeName(prefix);
+  const std::string label = "the addition of " + copy;
+  if (place.statement != nullptr) {
+    std::string entry(place.statement->span.Of(text()));
+    for (const auto& [property, value] : {std::pair("name", Text(copy)), std::pair("pose", PoseValue(entity, pose))}) {
+      const Result<StageTree> alone = ParseStage(entry, path());
+      if (!alone.ok()) return alone.error();
+      entry = WithProperty(entry, BodyOf(alone.value().statements.front()), property, value);
+    }
+    const Status failure = Commit(WithCopy(text(), place.stage->body(), *place.statement, entry), label);
+    return failure.ok() ? Result<std::string>(copy) : failure.error();
+  }
+  const JsonNode* const old = place.entry->Find("pose");
+  std::string numbers = PlainNumber(pose.x, kLengthDecimals) + ", " + PlainNumber(pose.y, kLengthDecimals) + ", ";
+  if (pose.z != 0.0 || (old != nullptr && old->items.size() == 4))
+    numbers += PlainNumber(pose.z, kLengthDecimals) + ", ";
+  numbers += PlainNumber(WrappedDegrees(pose.heading * 180.0 / std::numbers::pi), kHeadingDecimals);
+  std::string entry(place.entry->span.Of(text()));
+  for (const auto& [key, value] :
+       {std::pair("name", nlohmann::json(copy).dump()), std::pair("pose", "[" + numbers + "]")}) {
+    const Result<JsonTree> alone = JsonTree::Parse(entry, path());
+    if (!alone.ok()) return alone.error();
+    entry = WithMember(entry, alone.value().root(), key, value);
+  }
+  const Status failure = Commit(WithElement(text(), *place.holder, entry), label);
+  return failure.ok() ? Result<std::string>(copy) : failure.error();
+}
+
 Status Editor::Remove(const std::string& name) {
   const Result<const EditedEntity*> entity = FindEntity(name);
   if (!entity.ok()) return entity.error();

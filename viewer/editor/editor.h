@@ -70,6 +70,7 @@ class Editor {
   Result<nlohmann::json> Execute(const edit::SetMember& operation);
   Result<nlohmann::json> Execute(const edit::Rename& operation);
   Result<nlohmann::json> Execute(const edit::Delete& operation);
+  Result<nlohmann::json> Execute(const edit::Copy& operation);
   Result<nlohmann::json> Execute(const edit::AddModel& operation);
   Result<nlohmann::json> Execute(const edit::SetModel& operation);
   Result<nlohmann::json> Execute(const edit::SetPartProperty& operation);
@@ -85,6 +86,8 @@ class Editor {
   Status SetPose(const std::string& name, const Pose& pose);
   // Returns the name of the new entity.
   Result<std::string> Add(const std::string& model, const Pose& pose);
+  // A copy of an entry of this file, with all that the entry has. Returns its name.
+  Result<std::string> Copy(const std::string& name, const Pose& pose);
   Status Remove(const std::string& name);
   Status Rename(const std::string& before, const std::string& after);
 

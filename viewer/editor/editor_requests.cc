@@ -197,6 +197,12 @@ Result<Json> Editor::Execute(const edit::SetRegion& operation) {
   return Done(Commit(std::move(changed), "the change of a spawn region"));
 }
 
+Result<Json> Editor::Execute(const edit::Copy& operation) {
+  Result<std::string> name = Copy(operation.name, operation.pose);
+  if (!name.ok()) return name.error();
+  return Json{{"name", std::move(name).value()}};
+}
+
 // A single upright box has no blocks but its size.
 Result<Json> Editor::Execute(const edit::AddModel& operation) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();

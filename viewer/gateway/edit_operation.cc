@@ -305,6 +305,8 @@ class Decoder {
     return operation;
   }
 
+  EditOperation Copy() { return edit::Copy{Text("name"), PoseOf()}; }
+
   EditOperation AddModel() {
     edit::AddModel operation;
     operation.blocks = Blocks(request_);
@@ -399,12 +401,12 @@ class Decoder {
     return operation;
   }
 
-  static const std::pair<std::string_view, Method> kOperations[25];
+  static const std::pair<std::string_view, Method> kOperations[26];
 
   const JsonReader& request_;
 };
 
-constexpr std::pair<std::string_view, Decoder::Method> Decoder::kOperations[25] = {
+constexpr std::pair<std::string_view, Decoder::Method> Decoder::kOperations[26] = {
     {"document", &Decoder::Plain<edit::Document>},
     {"text", &Decoder::Plain<edit::Text>},
     {"palette", &Decoder::Plain<edit::Palette>},
@@ -422,6 +424,7 @@ constexpr std::pair<std::string_view, Decoder::Method> Decoder::kOperations[25] 
     {"set_member", &Decoder::SetMember},
     {"rename", &Decoder::Rename},
     {"delete", &Decoder::Named<edit::Delete>},
+    {"copy", &Decoder::Copy},
     {"add_model", &Decoder::AddModel},
     {"set_model", &Decoder::SetModel},
     {"change_part", &Decoder::ChangePart},

@@ -135,6 +135,11 @@ struct Rename {
 struct Delete {
   std::string name;
 };
+// "name", "pose": of the copy
+struct Copy {
+  std::string name;
+  Pose pose;
+};
 // "name": prefix, "pose", "blocks": [...], "properties": {...}: a static model of its own, for instance a wall or a
 // room
 struct AddModel {
@@ -219,9 +224,9 @@ struct EndTest {};
 using EditOperation =
     std::variant<edit::Document, edit::Text, edit::Palette, edit::Help, edit::Bitmaps, edit::Entity, edit::Model,
                  edit::SetText, edit::Save, edit::Reload, edit::Undo, edit::Redo, edit::SetPose, edit::SetProperty,
-                 edit::SetMember, edit::Rename, edit::Delete, edit::AddModel, edit::SetModel, edit::SetPartProperty,
-                 edit::AddPart, edit::RemovePart, edit::ShapePart, edit::SetGripperRoles, edit::CreateBitmap,
-                 edit::DrawBitmap, edit::SetRegion, edit::Test, edit::EndTest>;
+                 edit::SetMember, edit::Rename, edit::Delete, edit::Copy, edit::AddModel, edit::SetModel,
+                 edit::SetPartProperty, edit::AddPart, edit::RemovePart, edit::ShapePart, edit::SetGripperRoles,
+                 edit::CreateBitmap, edit::DrawBitmap, edit::SetRegion, edit::Test, edit::EndTest>;
 
 // `request`: an object with the member "op". The error tells what is wrong with it.
 Result<EditOperation> DecodeEditOperation(const JsonReader& request);

@@ -222,12 +222,15 @@ class PageHost {
     if (Status failure = WriteScenario(); !failure.ok()) return failure;
     Result<std::unique_ptr<PageRun>> run = PageRun::Start(file_, seed_, scenes_, feed_);
     if (!run.ok()) return run.error();
+    const Result<std::string> text = ReadTextFile(file_, {file_});
+    if (!text.ok()) return text.error();
     run_ = std::move(run).value();
     Json values = Json::array();
     for (const DrawnValue& value : values_) values.push_back({value.path, Json::parse(value.value)});
     messages_.push_back(
         JsonText(Json{{"type", "scenario"},
                       {"seed", run_->seed()},
+                      {"text", text.value()},  // of the file that runs, with the changed values
                       {"values", scenario_ ? ChangeableValues(scenario_->tree().root()) : Json::array()},
                       {"changed", std::move(values)}}));
     return {};

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "common/base/text.h"
 #include "common/geometry/limits.h"
 #include "common/model/device_limits.h"
 #include "common/spatial/convex_piece.h"
@@ -243,7 +244,11 @@ Result<ModelId> FindEntity(const WorldDescription& world, const std::string& nam
     if (!model.parent) return ModelId(i);
     return BadInput("'" + name + "' is a part of '" + world.model(*model.parent).name + "', expected a whole entity");
   }
-  return BadInput("the world has no entity '" + name + "'");
+  std::vector<std::string> names;
+  for (const ModelDescription& model : world.models) {
+    if (!model.removed && !model.parent) names.push_back(model.name);
+  }
+  return BadInput("the world has no entity '" + name + "'" + DidYouMean(name, names));
 }
 
 Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const WorldState& state, const std::string& name,

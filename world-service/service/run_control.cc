@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/text.h"
 #include "world-service/core/edit_world.h"
 #include "world-service/service/apply_edit.h"
 
@@ -306,7 +307,13 @@ Result<std::vector<EntityReport>> RunControl::Entities(const control::Entities& 
       const std::vector<LevelDescription>& levels = run_.world().levels;
       const auto level =
           std::find_if(levels.begin(), levels.end(), [&](const auto& each) { return each.name == name; });
-      if (level == levels.end()) return root.error();
+      if (level == levels.end()) {
+        std::vector<std::string> names;
+        for (const NamedPlace& each : places) names.push_back(each.name);
+        for (const LevelDescription& each : levels) names.push_back(each.name);
+        const std::string similar = DidYouMean(name, names);
+        return similar.empty() ? root.error() : BadInput("the world has no entity '" + name + "'" + similar);
+      }
       std::vector<EntityReport> found{{.name = name, .type = "level", .X_WE = {0.0, 0.0, level->z, 0.0}}};
       SetSignals(run_.world(), run_.frame.state, found.front());
       return found;

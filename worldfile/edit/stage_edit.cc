@@ -141,6 +141,11 @@ std::string WithEntry(const std::string& text, const StageBody& body, const Writ
   return Inserted(text, body, last, ToStage(model, indent, end_of_line));
 }
 
+std::string WithCopy(const std::string& text, const StageBody& body, const Statement& statement,
+                     const std::string& entry) {
+  return Inserted(text, body, &statement, entry);
+}
+
 std::string WithBeforeEntries(const std::string& text, const StageTree& tree, const std::string& written) {
   const std::string end_of_line = EndOfLineIn(text);
   for (const Statement& statement : tree.statements) {

@@ -38,6 +38,9 @@ std::string WithoutStatement(const std::string& text, const Statement& statement
 
 // With the entry behind all that is in the body.
 std::string WithEntry(const std::string& text, const StageBody& body, const WrittenModel& model);
+// With `entry`, the text of one, behind a statement of the body.
+std::string WithCopy(const std::string& text, const StageBody& body, const Statement& statement,
+                     const std::string& entry);
 // With the lines `written` before the first entry of the file and its comments, or at the end.
 std::string WithBeforeEntries(const std::string& text, const StageTree& tree, const std::string& written);
 // With a define before the first entry of the file, which may use it, or at the end.

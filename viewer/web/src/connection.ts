@@ -56,6 +56,7 @@ export interface Proof {
 // What a page runs itself (`troupe view SCENARIO --static`).
 export interface Scenario {
   seed: number;
+  text: string;  // of the file, with the changed values
   values: ScenarioValue[];  // that can be changed
   changed: Array<[string, number | boolean]>;  // of this run, by their paths
 }

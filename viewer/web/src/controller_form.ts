@@ -5,6 +5,7 @@
 import {make, toast} from './dom';
 import type {ControllerHelp, EditorHelp, ParameterHelp} from './file_client';
 import {numberField} from './property_fields';
+import type {Waypoints} from './waypoint_drawing';
 
 export interface ControllerTarget {
   shown: {name: string; parameters: Record<string, unknown>; own: boolean};  // name: as the file has it; '': none
@@ -12,9 +13,13 @@ export interface ControllerTarget {
   isStage: boolean;
   choose(name: string | null): Promise<void>;  // null: none
   set(parameter: string, value: unknown): Promise<void>;  // null: the default
+  // In the picture, from the robot on; none: it has no place there.
+  draw?: (done: (waypoints: Waypoints) => void) => void;
 }
 
 const NEEDS_TEXTS = ['script', 'fetch'];  // parameters with texts in them, which a `ctrl` cannot have
+
+const WAYPOINTS = 'waypoints';  // of all controllers that have them: [[x, y], ...], m in the world
 
 // The arguments of a `ctrl` text, each with the parameter that it is.
 interface Argument {
@@ -42,8 +47,8 @@ function parsed(text: string): unknown {
 
 // `text`: of `ctrl`, without its quotes. `change`: of `ctrl`, with its quotes; null: it is removed.
 export function stageController(
-    text: string, own: boolean, locked: boolean, help: EditorHelp,
-    change: (value: string | null) => Promise<void>): ControllerTarget {
+    text: string, own: boolean, locked: boolean, help: EditorHelp, change: (value: string | null) => Promise<void>,
+    draw?: ControllerTarget['draw']): ControllerTarget {
   const [name = '', ...words] = text.trim().split(/\s+/).filter(Boolean);
   const positions = help.stage_controllers[name]?.arguments ?? [];
   const given = argumentsOf(words, positions);
@@ -58,7 +63,7 @@ export function stageController(
   };
   return {
     shown: {name, parameters: Object.fromEntries(given.filter(({key}) => key).map(({key, value}) => [key, parsed(value)])), own},
-    locked, isStage: true,
+    locked, isStage: true, draw,
     choose: async chosen => {
       if (chosen === null) return change(null);
       const needed = help.controllers.find(each => each.name === chosen)?.parameters.filter(each => each.needed) ?? [];
@@ -137,7 +142,13 @@ export function showController(target: ControllerTarget, help: EditorHelp): HTML
     const label = make('span', 'property-name', row.name);
     label.title = `${row.help}${row.unit ? ` (${row.unit})` : ''}${row.initial === null ? '' : `, default ${JSON.stringify(row.initial)}`}`;
     parameter.append(label, valueField(row, parameters[row.name], target.locked, value => void target.set(row.name, value)));
-    if (isGiven && own && !target.locked && !row.needed) {
+    if (row.name === WAYPOINTS && target.draw && !target.locked) {
+      const draw = make('button', 'plain', '✎');
+      draw.title = 'Draw the waypoints in the picture';
+      draw.setAttribute('aria-label', draw.title);
+      draw.onclick = () => target.draw?.(waypoints => void target.set(WAYPOINTS, waypoints));
+      parameter.append(draw);
+    } else if (isGiven && own && !target.locked && !row.needed) {
       const remove = make('button', 'plain', '✕');
       remove.title = `The default of ${row.name}`;
       remove.setAttribute('aria-label', remove.title);

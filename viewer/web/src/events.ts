@@ -4,14 +4,13 @@
 // Rows are gathered as events arrive and only while the list is seen; the list renders at most a hundred rows at first,
 // because a long run has thousands.
 import {EventType} from '../generated/rows';
-import {color} from './colors';
 import {byId, make, setText} from './dom';
+import {KINDS, kindOf, type EventItem, type EventItems, type EventKind} from './event_items';
 import type {RunEvent} from './protocol';
 import type {Run} from './run';
 import {clockText, durationText} from './times';
 
 const MOST_ROWS = 100;  // shown at first, and more each time that more are asked for
-const SAME_AFTER = 10;  // s: a robot that stalls again at the same body so soon has not got away
 
 export function eventText({type, robot, other, object, detail}: RunEvent): string {
   switch (type) {
@@ -52,32 +51,6 @@ export function eventText({type, robot, other, object, detail}: RunEvent): strin
   }
 }
 
-interface Kind {
-  name: string;
-  types: EventType[];
-}
-
-const KINDS: Kind[] = [
-  {name: 'Contacts', types: [EventType.StallBegan, EventType.StallEnded, EventType.Blocked]},
-  {name: 'Objects', types: [EventType.Gripped, EventType.Released, EventType.Landed, EventType.Unstable]},
-  {name: 'Doors', types: [EventType.DoorOpened, EventType.DoorClosed, EventType.DoorBlocked]},
-  {name: 'Lifts', types: [EventType.LiftLeft, EventType.LiftArrived, EventType.LiftBlocked, EventType.LiftOverloaded]},
-  {name: 'People', types: [EventType.PersonBoarded, EventType.PersonAlighted, EventType.PersonArrived]},
-  {
-    name: 'Traffic',
-    types: [EventType.WaitBegan, EventType.WaitEnded, EventType.DeadlockBroken, EventType.Replanned, EventType.NoWay],
-  },
-  {name: 'Rules', types: [EventType.LaneSwitched, EventType.ZoneSwitched]},
-  {name: 'Goods', types: [EventType.GoodsArrived, EventType.GoodsRefused, EventType.GoodsLoaded, EventType.Delivered]},
-  {name: 'Messages', types: [EventType.Said, EventType.Reported]},
-  {name: 'Energy', types: [EventType.OutOfEnergy]},
-  {name: 'Agents', types: [EventType.Joined, EventType.Left, EventType.ProposalRejected]},
-];
-
-function kindOf(event: RunEvent): Kind {
-  return KINDS.find(kind => kind.types.includes(event.type)) ?? KINDS[0];
-}
-
 const WARNINGS = [EventType.Blocked, EventType.StallBegan, EventType.Unstable, EventType.OutOfEnergy,
   EventType.DoorBlocked, EventType.LiftBlocked, EventType.WaitBegan, EventType.NoWay];
 const FAULTS = [EventType.Left, EventType.ProposalRejected];
@@ -87,45 +60,34 @@ export function eventGravity({type}: RunEvent): number {
   return FAULTS.includes(type) ? 2 : WARNINGS.includes(type) ? 1 : 0;
 }
 
-// Of its mark on the timeline.
-export function eventColor(event: RunEvent): string {
-  if (FAULTS.includes(event.type)) return color('--lost');
-  if (WARNINGS.includes(event.type)) return color('--stalled');
-  return event.type === EventType.Gripped ? color('--holding') : color('--moving');
-}
-
-// Rows of the list: events that belong together.
-interface Item {
-  events: RunEvent[];  // those that began it, the first first
-  end: RunEvent | null;  // of the last
-}
-
 export class EventList {
   private readonly list = byId('event-list');
   private readonly chips = make('div', 'event-kinds');
-  private readonly hidden = new Set<Kind>();
-  private readonly buttons = new Map<Kind, HTMLButtonElement>();
+  private readonly buttons = new Map<EventKind, HTMLButtonElement>();
   private readonly onlySelected = make('button', 'chip', 'Selected only') as HTMLButtonElement;
   private readonly open = new Set<RunEvent>();  // the first events of items whose repetitions are shown
-  private items: Item[] = [];
-  private counts = new Map<Kind, number>();
   private run: Run | null = null;
-  private source: RunEvent[] | null = null;
-  private seen: RunEvent | null = null;
   private selected = '';
   private rows = MOST_ROWS;
   private shown = '';
 
-  constructor(private readonly onEvent: (event: RunEvent) => void) {
+  // `changed`: other kinds are shown.
+  constructor(
+      private readonly items: EventItems, private readonly onEvent: (event: RunEvent) => void, changed: () => void) {
     this.chips.setAttribute('role', 'group');
     this.chips.setAttribute('aria-label', 'Events that are shown');
     for (const kind of KINDS) {
-      const button = make('button', 'chip on', kind.name) as HTMLButtonElement;
+      const button = make('button', 'chip on') as HTMLButtonElement;
+      const mark = make('span', 'chip-mark');
+      mark.style.background = `var(${kind.color})`;
+      button.append(mark, make('span', '', kind.name));
+      button.title = `${kind.name}: in the list, and on the timeline in this colour`;
       button.hidden = true;  // before the first event
       button.setAttribute('aria-pressed', 'true');
       button.onclick = () => {
-        if (!this.hidden.delete(kind)) this.hidden.add(kind);
-        this.set(button, !this.hidden.has(kind));
+        if (!items.hidden.delete(kind)) items.hidden.add(kind);
+        this.set(button, !items.hidden.has(kind));
+        changed();
       };
       this.buttons.set(kind, button);
       this.chips.append(button);
@@ -144,11 +106,10 @@ export class EventList {
   show(run: Run, selected: string): void {
     this.run = run;
     this.selected = selected;
-    this.addNew(run.events);
     this.onlySelected.disabled = selected === '';
     for (const [kind, button] of this.buttons) {
-      const count = this.counts.get(kind) ?? 0;
-      setText(button, `${kind.name} ${count}`);
+      const count = this.items.counts.get(kind) ?? 0;
+      setText(button.lastElementChild as HTMLElement, `${kind.name} ${count}`);
       button.hidden = count === 0;
     }
     this.render();
@@ -161,58 +122,15 @@ export class EventList {
     this.render();
   }
 
-  private addNew(events: RunEvent[]): void {
-    const last = events[events.length - 1] ?? null;
-    if (events === this.source && last === this.seen) return;
-    let from = events === this.source && this.seen ? events.lastIndexOf(this.seen) + 1 : 0;
-    if (from === 0) {
-      this.items = [];
-      this.counts = new Map();
-    }
-    for (; from < events.length; ++from) this.add(events[from]);
-    this.source = events;
-    this.seen = last;
-  }
-
-  private add(event: RunEvent): void {
-    const kind = kindOf(event);
-    this.counts.set(kind, (this.counts.get(kind) ?? 0) + 1);
-    const interval = this.run?.world.interval ?? 0;
-    const before = this.findStall(event.robot);
-    if (event.type === EventType.StallEnded && before && !before.end) {
-      before.end = event;
-      return;
-    }
-    if (event.type === EventType.StallBegan && before) {
-      const [first] = before.events;
-      const since = event.tick - (before.end ?? before.events[before.events.length - 1]).tick;
-      if (first.other === event.other && since >= 0 && since * interval <= SAME_AFTER) {
-        before.events.push(event);
-        before.end = null;
-        return;
-      }
-    }
-    this.items.push({events: [event], end: null});
-  }
-
-  // The newest stall of the robot, if it is among the newest items.
-  private findStall(robot: string): Item | null {
-    for (let i = this.items.length - 1; i >= Math.max(0, this.items.length - 200); --i) {
-      const [first] = this.items[i].events;
-      if (first.robot === robot && first.type === EventType.StallBegan) return this.items[i];
-    }
-    return null;
-  }
-
-  private textOf({events, end}: Item): string {
+  private textOf({events, end}: EventItem): string {
     const [first] = events;
     if (first.type !== EventType.StallBegan || events.length > 1 || !end || !this.run) return eventText(first);
     return `${eventText(first)} for ${durationText((end.tick - first.tick) * this.run.world.interval)}`;
   }
 
-  private wanted(item: Item): boolean {
+  private wanted(item: EventItem): boolean {
     const [event] = item.events;
-    if (this.hidden.has(kindOf(event))) return false;
+    if (this.items.hidden.has(kindOf(event))) return false;
     const only = this.onlySelected.classList.contains('on') && this.selected !== '';
     return !only || [event.robot, event.other, event.object].some(name => name === this.selected || name.startsWith(`${this.selected}.`));
   }
@@ -220,17 +138,16 @@ export class EventList {
   private render(): void {
     const run = this.run;
     if (!run) return;
-    const last = this.items[this.items.length - 1];
     const key = [
-      this.items.length, last?.events.length, last?.end?.tick, this.seen?.position, this.source?.length, this.rows, this.open.size,
-      [...this.hidden].map(kind => kind.name).join(), this.onlySelected.className, this.selected, run.past ? run.position : ''].join(' ');
+      this.items.version, this.rows, this.open.size, this.onlySelected.className, this.selected, run.past ? run.position : ''].join(' ');
     if (key === this.shown) return;
     this.shown = key;
-    const items: Item[] = [];
+    const items: EventItem[] = [];
     let more = 0;
-    for (let i = this.items.length - 1; i >= 0; --i) {
-      if (!this.wanted(this.items[i])) continue;
-      if (items.length < this.rows) items.push(this.items[i]);
+    const {all} = this.items;
+    for (let i = all.length - 1; i >= 0; --i) {
+      if (!this.wanted(all[i])) continue;
+      if (items.length < this.rows) items.push(all[i]);
       else ++more;
     }
     const elements = items.flatMap(item => this.rowsOf(run, item));
@@ -249,7 +166,7 @@ export class EventList {
     if (focused !== undefined) this.list.querySelector<HTMLElement>(`[data-key="${focused}"]`)?.focus();
   }
 
-  private rowsOf(run: Run, item: Item): HTMLElement[] {
+  private rowsOf(run: Run, item: EventItem): HTMLElement[] {
     const [first] = item.events;
     const row = this.row(run, first, this.textOf(item));
     if (item.events.length === 1) return [row];

@@ -33,7 +33,7 @@ export class Experiment {
   // Of the run that begins.
   set(scenario: Scenario): void {
     this.scenario = scenario;
-    byId('run-tools').hidden = false;
+    byId('experiment-open').hidden = false;
     this.inputs = new Map(scenario.values.map((value): [ScenarioValue, HTMLInputElement] => [value, this.input(value)]));
     let of = '';
     const rows: HTMLElement[] = [];

@@ -16,12 +16,15 @@ import {PlaceGrid} from './place_grid';
 import {PlanImport} from './plan_import';
 import type {WorldScene} from './scene';
 import {TextPane} from './text_pane';
+import {WaypointDrawing} from './waypoint_drawing';
 
 export interface FileEditorHost {
-  selectName(name: string): void;  // an entity of the scene, if it is one
+  // An entity of the scene, if it is one. `center`: the picture turns to it.
+  selectName(name: string, center: boolean): void;
 }
 
 const WALL_COLOR = '"gray60"';
+const BESIDE = 0.5;  // m, in x and against y, from an entity to its duplicate
 const LEAST_REACH = 5;  // m from the origin that the ground of a file has at least
 
 export class FileEditor {
@@ -33,10 +36,13 @@ export class FileEditor {
   private readonly regions: SpawnRegions;
   private readonly panel: FilePanel;
   private readonly plan: PlanImport;
+  private readonly waypoints: WaypointDrawing;
   readonly text: TextPane;
   private help: EditorHelp = {properties: [], controllers: [], stage_controllers: {}, colors: {}};
   private palette: PaletteRow[] = [];
   private selected = '';
+  private copied = '';  // to be pasted
+  private pointer: {x: number; y: number} | null = null;  // over the picture, px
   private paletteVersion = -1;
   private bitmapVersion = -1;
   private refreshing = false;
@@ -64,7 +70,13 @@ export class FileEditor {
       help: () => this.help,
       refresh: () => this.refresh(),
       renamed: name => this.select(name),
+      drawWaypoints: (from, done) => {
+        this.editing.cancel();
+        this.drawing.set('none');
+        this.waypoints.begin(from, done);
+      },
     }, viewOnly);
+    this.waypoints = new WaypointDrawing(scene);
     this.plan = new PlanImport(this.client, name => {
       toast(`${name} has the walls of the plan`);
       void this.refresh().then(() => this.scene.home());
@@ -110,9 +122,26 @@ export class FileEditor {
 
   // True if the key belongs to the editor.
   press(event: KeyboardEvent): boolean {
+    if (this.waypoints.press(event)) return true;
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 's') {
       void this.save();
       return true;
+    }
+    if ((event.ctrlKey || event.metaKey) && !this.viewOnly && !isTyping(event)) {
+      const key = event.key.toLowerCase();
+      if (key === 'd' && this.selected) {
+        void this.duplicate();
+        return true;
+      }
+      if (key === 'c' && this.selected && window.getSelection()?.isCollapsed !== false) {
+        this.copied = this.selected;
+        toast(`${this.copied} is copied: Ctrl-V puts a copy at the pointer`);
+        return true;
+      }
+      if (key === 'v' && this.copied) {
+        void this.paste();
+        return true;
+      }
     }
     if (event.key === 'Escape') {
       this.drawing.set('none');
@@ -140,6 +169,10 @@ export class FileEditor {
       this.drawing.set('none');
       void this.bitmaps.set(!this.bitmaps.open);
     });
+    this.scene.canvas.addEventListener('pointermove', event => {
+      this.pointer = {x: event.clientX, y: event.clientY};
+    });
+    bind('file-duplicate', () => void this.duplicate());
     bind('file-rename', () => void this.renameSelected());
     bind('file-delete', () => void this.deleteSelected());
     byId('entity-search').oninput = () => this.showEntities();
@@ -190,7 +223,7 @@ export class FileEditor {
     const name = /^the addition of (.*)$/.exec(now.undo)?.[1];
     if (!name || before.undo === now.undo || before.entities.some(each => each.name === name)) return;
     this.select(name);
-    this.host.selectName(name);
+    this.host.selectName(name, false);
   }
 
   private async loadPalette(version: number): Promise<void> {
@@ -244,7 +277,7 @@ export class FileEditor {
         row.title = placeText(entity.where);
         row.onclick = () => {
           this.select(entity.name);
-          this.host.selectName(entity.name);
+          this.host.selectName(entity.name, true);
         };
         return row;
       }));
@@ -314,7 +347,7 @@ export class FileEditor {
     const edit = byId('file-edit-model');
     edit.hidden = !model;
     edit.onclick = () => void this.models.openModel(report.model);
-    byId('file-rename').hidden = byId('file-delete').hidden = report.refusal !== '' || this.viewOnly || report.shelf;
+    byId('file-duplicate').hidden = byId('file-rename').hidden = byId('file-delete').hidden = report.refusal !== '' || this.viewOnly || report.shelf;
     if (this.document) this.panel.showEntity(this.document, report);
   }
 
@@ -329,12 +362,34 @@ export class FileEditor {
     if (!reply.done) return;
     this.selected = after;
     await this.refresh();
-    this.host.selectName(after);
+    this.host.selectName(after, false);
   }
 
   private async renameSelected(): Promise<void> {
     const after = window.prompt(`New name of ${this.selected}.`, this.selected)?.trim();
     if (after && after !== this.selected) await this.rename(this.selected, after);
+  }
+
+  // A copy beside the selected entity, which is selected then: it is moved, or duplicated again.
+  private async duplicate(): Promise<void> {
+    const report = await this.client.ask('entity', {name: this.selected}) as unknown as EntityReport & {done: boolean};
+    if (!report.done) return;
+    const [x, y, z, heading] = report.pose;
+    await this.copy(report.name, [x + BESIDE, y - BESIDE, z, heading]);
+  }
+
+  private async paste(): Promise<void> {
+    const report = await this.client.ask('entity', {name: this.copied}) as unknown as EntityReport & {done: boolean; problem: string};
+    if (!report.done) return toast(`${this.copied} is not in the file any more`, true);
+    const [x, y, z, heading] = report.pose;
+    const at = this.pointer && this.scene.floorAt(this.pointer.x, this.pointer.y);
+    await this.copy(report.name, at ? [at.x, at.y, z, heading] : [x + BESIDE, y - BESIDE, z, heading]);
+  }
+
+  private async copy(name: string, pose: number[]): Promise<void> {
+    const reply = await this.client.edit('copy', {name, pose});
+    if (reply.done) toast(`${reply.name} is a copy of ${name}`);
+    await this.refresh();
   }
 
   async deleteSelected(): Promise<void> {
@@ -390,4 +445,9 @@ export class FileEditor {
     await this.refresh();
     this.scene.home();
   }
+}
+
+function isTyping({target}: KeyboardEvent): boolean {
+  return target instanceof HTMLInputElement || target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement
+    || (target instanceof HTMLElement && target.isContentEditable);
 }

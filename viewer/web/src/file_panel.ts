@@ -2,12 +2,15 @@
 import {byId, setText} from './dom';
 import {stageController, type ControllerTarget} from './controller_form';
 import {placeText, type EditorHelp, type EntityReport, type FileClient, type FileDocument, type HelpRow} from './file_client';
+import type {Waypoints} from './waypoint_drawing';
 import {showProperties, type PropertyTarget, type ShownProperty} from './property_rows';
 
 export interface FilePanelHost {
   help(): EditorHelp;
   refresh(): Promise<void>;
   renamed(name: string): void;
+  // In the picture.
+  drawWaypoints(from: [number, number], done: (waypoints: Waypoints) => void): void;
 }
 
 export class FilePanel {
@@ -36,9 +39,13 @@ export class FilePanel {
       const ctrl = report.properties.find(({name}) => name === 'ctrl');
       target.controller = isScenario ? this.scenarioController(report, locked)
         : stageController((ctrl?.value ?? '').replace(/^"|"$/g, ''), ctrl?.own ?? true, locked, this.host.help(),
-                          value => set('ctrl', value ?? (ctrl?.own ? null : '"idle"')));
+                          value => set('ctrl', value ?? (ctrl?.own ? null : '"idle"')), this.drawFrom(report));
     }
     showProperties(byId('file-properties'), isScenario ? this.inMetres(shown, report) : shown, this.host.help(), target);
+  }
+
+  private drawFrom({pose: [x, y]}: EntityReport): ControllerTarget['draw'] {
+    return done => this.host.drawWaypoints([x, y], done);
   }
 
   // A scenario's poses are in metres and degrees, and may leave out z.
@@ -61,7 +68,7 @@ export class FilePanel {
       await this.host.refresh();
     };
     return {
-      shown: {name: own || name !== 'idle' ? name : '', parameters, own}, locked, isStage: false,
+      shown: {name: own || name !== 'idle' ? name : '', parameters, own}, locked, isStage: false, draw: this.drawFrom(report),
       choose: async chosen => {
         if (chosen === null) return edit('controller', own ? null : 'idle');
         const needed = this.host.help().controllers.find(each => each.name === chosen)?.parameters.filter(each => each.needed) ?? [];

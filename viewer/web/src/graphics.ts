@@ -121,7 +121,11 @@ export function save(url: string, name: string): void {
 }
 
 export function saveText(text: string, name: string): void {
-  const url = URL.createObjectURL(new Blob([text], {type: 'text/csv'}));
+  saveBlob(new Blob([text], {type: 'text/csv'}), name);
+}
+
+export function saveBlob(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
   save(url, name);
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }

@@ -4,6 +4,7 @@
 // and the scene is drawn at the next frame; panels are refreshed at most ten times a second, because text costs more
 // than a picture.
 import {Connection, type AgentInfo, type Proof, type SessionInfo} from './connection';
+import {Download} from './download';
 import {Dock, isTab, type Tab} from './dock';
 import {allow, byId, setOn, setText, tellRefusals, throttled, toast} from './dom';
 import {Driving, GripperButtons} from './driving';
@@ -11,10 +12,12 @@ import {Editing} from './editing';
 import {DoorButtons} from './doors';
 import {Agents, agentText, EntityPanel} from './entity_panel';
 import {FileEditor} from './file_editor';
+import {GifRecording} from './gif_recording';
 import {save, Video} from './graphics';
 import {LevelChoice} from './levels';
 import type {Message, RunEvent, TimeSpan} from './protocol';
 import {EndCard} from './end_card';
+import {EventItems} from './event_items';
 import {EventList} from './events';
 import {Expectations} from './expectations';
 import {Experiment} from './experiment';
@@ -33,7 +36,7 @@ import {Popup, Toolbar} from './toolbar';
 export interface Fragment {
   robot?: string;
   view?: string;
-  levels?: string;  // of a building: beside, or the name of the one that is shown
+  levels?: string;  // of a building: stacked, beside, or the name of the one that is shown; none: as usual
   follow?: boolean;
   rays?: string;
   tab?: string;  // of the column
@@ -61,7 +64,7 @@ export function writeFragment(fragment: Fragment): void {
   const values = new URLSearchParams();
   if (fragment.robot) values.set('robot', fragment.robot);
   if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
-  if (fragment.levels && fragment.levels !== 'stacked') values.set('levels', fragment.levels);
+  if (fragment.levels) values.set('levels', fragment.levels);
   if (fragment.rays) values.set('rays', fragment.rays);
   if (fragment.tab && fragment.tab !== 'state') values.set('tab', fragment.tab);
   if (fragment.tick !== undefined) values.set('tick', String(fragment.tick));
@@ -111,6 +114,7 @@ class Viewer {
     onScenario: scenario => {
       this.timeBar.timeline.reset();  // a run that begins
       this.experiment.set(scenario);
+      this.download.set(scenario);
       this.toolbar.layOut();
     },
   });
@@ -149,13 +153,15 @@ class Viewer {
     refresh: () => this.refresh(),
     hint: robot => this.agentHint(robot),
   });
-  private readonly events = new EventList(event => this.showEvent(event));
+  private readonly eventItems = new EventItems();
+  private readonly events = new EventList(this.eventItems, event => this.showEvent(event), () => this.timeBar.show(this.run));
   private readonly plots = new Plots(
     byId('plots'), this.connection, position => this.timeBar.timeline.seek(position),
     robot => this.agents.of(robot)?.answer_seconds ?? null, () => this.fileName());
   private readonly expectations = new Expectations(
     this.connection, position => this.timeBar.timeline.seek(position), () => this.refresh());
   private readonly experiment = new Experiment(this.connection);
+  private readonly download = new Download();
   private readonly endCard = new EndCard(this.connection, {
     info: () => this.info,
     select: name => {
@@ -168,7 +174,7 @@ class Viewer {
 
   constructor() {
     this.agents = new Agents(this.connection, () => this.refresh());
-    this.timeBar = new TimeBar(this.connection, () => this.remember());
+    this.timeBar = new TimeBar(this.connection, this.eventItems, () => this.remember());
     this.editing = new Editing(this.scene, this.connection, {
       run: () => this.run,
       selected: () => this.selected,
@@ -182,6 +188,7 @@ class Viewer {
     this.driving = new Driving(this.connection, {run: () => this.run, robot: () => this.selectedRobot});
     this.grippers = new GripperButtons(this.connection);
     this.doors = new DoorButtons(this.connection);
+    new GifRecording(this.scene.canvas, into => this.scene.drawInto(into), () => this.fileName());
     this.video = new Video(this.scene.canvas, () => this.fileName());
     const fragment = readFragment();
     this.wantedName = fragment.robot ?? '';
@@ -242,10 +249,10 @@ class Viewer {
       return;
     }
     this.file = new FileEditor(this.connection, this.scene, this.editing, {
-      selectName: name => {
+      selectName: (name, center) => {
         const entity = this.run ? findEntity(this.run.world, name) : null;
         this.select(entity);
-        if (entity) this.scene.centerOn(entity);
+        if (entity && center) this.scene.centerOn(entity);
         this.file?.select(name);
       },
     }, viewOnly);
@@ -262,7 +269,7 @@ class Viewer {
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
       byId('traffic').hidden = message.world.laneGraphs.length === 0;
       this.toolbar.layOut();
-      if (this.wantedLevels) this.scene.chooseLevels(this.wantedLevels);
+      if (this.wantedLevels || before === null) this.scene.chooseLevels(this.wantedLevels || this.usualLevels);
       this.wantedLevels = '';
       this.file?.worldChanged();
       this.timeBar.show(this.run);  // its buttons belong to this run, not to one that is over
@@ -282,6 +289,12 @@ class Viewer {
     this.scene.show(this.run, this.selected);
     this.panel.note(this.run, this.selected);
     this.refresh();
+  }
+
+  // How the levels of a building are shown at first: side by side, because the highest hides the others. An editor's
+  // tools are at their true heights.
+  private get usualLevels(): string {
+    return this.scene.levels.list.length > 1 && !this.file ? 'beside' : 'stacked';
   }
 
   private get selectedRobot(): number {
@@ -327,6 +340,7 @@ class Viewer {
   }
 
   private refreshPanels(): void {
+    if (this.run) this.eventItems.update(this.run.events, this.run.world.interval);
     this.timeBar.show(this.run);
     if (!this.run?.hasState) return;
     this.things.show(this.run, this.selected, this.scene.levels);
@@ -421,7 +435,7 @@ class Viewer {
   private remember(): void {
     const name = this.run && this.selected ? nameOf(this.run.world, this.selected) : this.wantedName;
     writeFragment({
-      robot: name, view: this.scene.view, levels: this.wantedLevels || this.scene.levels.choice, follow: this.scene.following, rays: this.allRays ? 'all' : '',
+      robot: name, view: this.scene.view, levels: this.wantedLevels || (this.scene.levels.choice === this.usualLevels ? '' : this.scene.levels.choice), follow: this.scene.following, rays: this.allRays ? 'all' : '',
       tab: this.dock.tab,
       fullQuality: this.scene.quality.fixed,
       smooth: this.scene.motion.enabled,

@@ -35,6 +35,8 @@ const MARGIN = 0.04;  // of the picture, around the whole world
 const LOW_VIEW = 0.92;  // rad from above, of the whole world in the orbit view
 const HIGH_VIEW = 0.5;  // the same in a picture that would be empty above and below the world
 const FILLED = 0.72;  // of the picture's height, with which it is not
+const RING_WIDTH = 3;  // px, of the mark of what is selected
+const RING_PARTS = 48;
 const TURN = 0.09;  // rad of the camera for a key
 const SHIFT = 0.06;  // of the picture's height, the same
 const GROUND_LAYER = 1;  // that of three.js in which the ground is, and nothing else
@@ -64,7 +66,8 @@ export class WorldScene {
   private readonly marks = new SensorMarks();
   private readonly goals = new GoalMarks();
   private readonly ring = new Mesh(
-    new RingGeometry(1.12, 1.26, 48), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
+    new RingGeometry(1, 1.1, RING_PARTS), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
+  private ringRadius = 1;  // m
   private readonly ghost = new Mesh(
     new RingGeometry(0.86, 1, 48), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
   private readonly raycaster = new Raycaster();
@@ -233,7 +236,7 @@ export class WorldScene {
     if (pose && selected) {
       const radius = this.setting.bodies.radiusOf(selected);
       this.ring.position.set(pose.x, pose.y, pose.z + 0.01);
-      this.ring.scale.setScalar(radius);
+      this.ringRadius = 1.12 * radius;
     }
     this.follow(pose);
     this.invalidate();
@@ -403,13 +406,39 @@ export class WorldScene {
     this.invalidate();
   }
 
+  // The present picture, to the size of the canvas.
+  drawInto(context: CanvasRenderingContext2D): void {
+    this.draw();
+    context.drawImage(this.canvas, 0, 0, context.canvas.width, context.canvas.height);
+  }
+
   picture(): string {
     this.draw();
     return this.canvas.toDataURL('image/png');
   }
 
+  // The mark of what is selected is equally wide on the screen for all sizes and distances.
+  private fitRing(): void {
+    if (!this.ring.visible) return;
+    const width = RING_WIDTH * this.pixelAt(this.ring.position);
+    const {innerRadius, outerRadius} = this.ring.geometry.parameters;
+    const same = (a: number, b: number): boolean => Math.abs(a - b) < 0.05 * b;
+    if (same(innerRadius, this.ringRadius) && same(outerRadius - innerRadius, width)) return;
+    this.ring.geometry.dispose();
+    this.ring.geometry = new RingGeometry(this.ringRadius, this.ringRadius + width, RING_PARTS);
+  }
+
+  // The length of a pixel at a point, m.
+  private pixelAt(point: Vector3): number {
+    const {top, bottom, zoom} = this.orthographic;
+    const height = this.view === 'top' ? (top - bottom) / zoom
+      : 2 * Math.tan((this.perspective.fov * Math.PI) / 360) * this.perspective.position.distanceTo(this.drawnPlace(point));
+    return height / Math.max(1, this.canvas.clientHeight);
+  }
+
   private draw(): void {
     this.dirty = false;
+    this.fitRing();
     if (this.levels.areStacked) this.renderer.render(this.scene, this.camera);
     else this.drawLevels();
     this.labels.place(this.drawn, this.bodies, this.camera, this.selected, this.levels);

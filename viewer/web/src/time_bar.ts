@@ -5,6 +5,7 @@
 // back.
 import type {Connection} from './connection';
 import {byId, fixed, setText, toast} from './dom';
+import type {EventItems} from './event_items';
 import type {Run} from './run';
 import {Timeline} from './timeline';
 import {clockText} from './times';
@@ -24,9 +25,9 @@ export class TimeBar {
   private online = true;
   readonly timeline: Timeline;
 
-  constructor(private readonly connection: Connection, changed: () => void) {
+  constructor(private readonly connection: Connection, items: EventItems, changed: () => void) {
     this.timeline = new Timeline(
-      connection, () => (this.speed.value === 'max' ? 0 : Number(this.speed.value)), () => {
+      connection, items, () => (this.speed.value === 'max' ? 0 : Number(this.speed.value)), () => {
         this.show(this.run);
         changed();
       });

@@ -6,10 +6,11 @@
 // positions costs as many states as the gateway can compute, and the thumb never lags behind a queue.
 import {color} from './colors';
 import type {Connection} from './connection';
-import {byId, toast} from './dom';
-import {eventColor, eventGravity} from './events';
-import type {RunEvent, TimeSpan} from './protocol';
+import {byId, setText, toast} from './dom';
+import type {EventItems} from './event_items';
+import type {TimeSpan} from './protocol';
 import type {Run} from './run';
+import {drawMarks, gatherMarks, markAt, middleOf, textOfMark, type Mark} from './timeline_marks';
 import {clockText, labelStep, secondsAt, spansOf, stepDigits} from './times';
 
 const THUMB = 14;  // px, wide, as in time.css
@@ -26,11 +27,14 @@ export class Timeline {
   private position = 0;  // with the fractions of a state
   private readonly slider = byId<HTMLInputElement>('timeline');
   private readonly axis = byId<HTMLCanvasElement>('timeline-events');
+  private readonly tip = byId('timeline-tip');
+  private marks: Mark[] = [];
   private drawn = '';
 
   // `speed`: times real time, 0: as fast as possible. `changed`: it begins or ends to show the past.
   constructor(
-      private readonly connection: Connection, private readonly speed: () => number, private readonly changed: () => void) {
+      private readonly connection: Connection, private readonly items: EventItems, private readonly speed: () => number,
+      private readonly changed: () => void) {
     this.slider.oninput = () => {
       this.playing = 0;
       this.seek(Number(this.slider.value));
@@ -39,6 +43,8 @@ export class Timeline {
     byId('back').onclick = () => this.play(this.playing < 0 ? 0 : -1);
     byId('step-back').onclick = () => this.step(-1);
     byId('continue').onclick = () => void this.continueHere();
+    this.slider.onpointermove = event => this.pointAt(event.offsetX);
+    this.slider.onpointerleave = () => this.pointAt(null);
     // A run that stands has no news that would redraw the axis.
     new ResizeObserver(() => {
       if (this.run) this.draw(this.run);
@@ -181,9 +187,8 @@ export class Timeline {
   private draw(run: Run): void {
     const {clientWidth: width, clientHeight: height} = this.axis;
     const theme = document.documentElement.dataset.theme;
-    const newest = run.events[run.events.length - 1];
     const [begin, end] = [Number(this.slider.min), Number(this.slider.max)];
-    const key = [begin, end, run.last, run.events.length, newest?.position, run.spans.length, width, theme].join(' ');
+    const key = [begin, end, run.last, this.items.version, run.spans.length, width, theme].join(' ');
     if (key === this.drawn || width === 0) return;
     this.drawn = key;
     const ratio = Math.min(window.devicePixelRatio, 2);
@@ -202,18 +207,18 @@ export class Timeline {
     context.fillStyle = color('--field');
     for (const [first, last] of spans) context.fillRect(x(first), middle - 2, Math.max(1, x(last) - x(first)), 4);
     this.drawLabels(context, run, spans, x, width, height);
-    // One mark in a place, of the gravest event.
-    const marks = new Map<number, RunEvent>();
-    for (const event of run.events) {
-      if (event.position < begin || event.position > end) continue;
-      const at = Math.round(x(event.position));
-      const known = marks.get(at);
-      if (!known || eventGravity(event) > eventGravity(known)) marks.set(at, event);
-    }
-    for (const [at, event] of marks) {
-      context.fillStyle = eventColor(event);
-      context.fillRect(at - 1, middle - 11, 2, 7);
-    }
+    this.marks = gatherMarks(this.items, begin, end, run.last, x);
+    drawMarks(context, this.marks, middle - 4);
+  }
+
+  // Shows what the mark under the pointer stands for.
+  private pointAt(x: number | null): void {
+    const mark = x === null ? undefined : markAt(this.marks, x);
+    this.tip.hidden = !mark || !this.run;
+    if (!mark || !this.run) return;
+    setText(this.tip, textOfMark(mark, this.run));
+    const half = this.tip.offsetWidth / 2;
+    this.tip.style.left = `${Math.max(half, Math.min(this.axis.clientWidth - half, middleOf(mark)))}px`;
   }
 
   // Each span has its own times. Where one ends and another begins that does not follow it, there is a gap or a jump.

@@ -4,6 +4,8 @@
 // Messages are the same in both; what differs is how they begin and end. A socket connects again by itself, after waits
 // that double up to three seconds, and the gateway then sends the world again. A module cannot be lost.
 
+import {contentOf, hasContent, PARTS} from './static_content';
+
 export interface TransportHandler {
   onOpen(): void;
   onClosed(): void;
@@ -56,21 +58,6 @@ class SocketTransport implements Transport {
   }
 }
 
-// The parts of the file that `troupe view --static` has added to the page (launcher/commands/static_page.cc).
-const CONTENT = 'static-content';
-const MODULE = 'static-module';
-const WORKER = 'static-worker';
-
-function hasContent(): boolean {
-  return document.getElementById(CONTENT) !== null;
-}
-
-// Of an element with a gzip file as base64.
-async function contentOf(id: string): Promise<ArrayBuffer> {
-  const bytes = Uint8Array.from(atob(document.getElementById(id)!.textContent!), letter => letter.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
-}
-
 class ModuleTransport implements Transport {
   private worker: Worker | null = null;
 
@@ -84,7 +71,7 @@ class ModuleTransport implements Transport {
   }
 
   private async start(): Promise<void> {
-    const [wasm, content, script] = await Promise.all([contentOf(MODULE), contentOf(CONTENT), contentOf(WORKER)]);
+    const [wasm, content, script] = await Promise.all([PARTS.module, PARTS.content, PARTS.worker].map(contentOf));
     const worker = new Worker(URL.createObjectURL(new Blob([script], {type: 'text/javascript'})));
     worker.onmessage = event => {
       // Its first message, before which the page asks for nothing.

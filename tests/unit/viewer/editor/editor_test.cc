@@ -63,6 +63,43 @@ TEST(EditorTest, EditsAreUndoneToTheByte) {
   EXPECT_EQ(test::ValueOf(LoadWorld(folder / "yard.world")).world.robots.size(), 1U);
 }
 
+TEST(EditorTest, CopiesHaveAllThatTheirEntryHas) {
+  const test::TemporaryFolder folder;
+  folder.Write("things.inc", "define crate model ( size [50 50 40] color \"brown\" gripper_return 1 )\n");
+  const auto editor = OpenedEditor(folder.Write("yard.world", kYard));
+  // In the units of the file, behind the entry and its comment, under a free name; parts come along.
+  const Json crate =
+      Applied(*editor, {{"op", "copy"}, {"name", "left"}, {"pose", {1.5, 2.0, 0.0, std::numbers::pi / 6}}});
+  EXPECT_EQ(crate["name"], "left1");
+  EXPECT_NE(editor->text().find("  # first\ncrate( name \"left1\" pose [150 200 0 30] )\nmodel"), std::string::npos)
+      << editor->text();
+  EXPECT_EQ(Applied(*editor, {{"op", "copy"}, {"name", "table"}, {"pose", {5.0, 0.0, 0.0, 0.0}}})["name"], "table1");
+  EXPECT_NE(editor->world()->Find("table1.box"), nullptr);
+  EXPECT_NE(
+      Refused(*editor, {{"op", "copy"}, {"name", "table.box"}, {"pose", {5.0, 0.0, 0.0, 0.0}}}).find("whole model"),
+      std::string::npos);
+  Refused(*editor, {{"op", "copy"}, {"name", "nothing"}, {"pose", {0.0, 0.0, 0.0, 0.0}}});
+  for (int i = 0; i < 2; ++i) Applied(*editor, {{"op", "undo"}});
+  EXPECT_EQ(editor->text(), kYard);
+}
+
+TEST(EditorTest, EntriesOfScenariosAreCopied) {
+  const test::TemporaryFolder folder;
+  folder.Write("things.inc", kThings);
+  const std::string text = R"({
+  "include": ["things.inc"],
+  "robots": [
+    {"name": "r1", "model": "position", "pose": [0, 0, 90], "controller": {"name": "wander", "parameters": {"speed": 0.3}}}
+  ]
+})";
+  const auto editor = OpenedEditor(folder.Write("yard.json", text));
+  EXPECT_EQ(Applied(*editor, {{"op", "copy"}, {"name", "r1"}, {"pose", {1.0, 2.0, 0.0, 0.0}}})["name"], "r2");
+  EXPECT_NE(
+      editor->text().find(R"({"name": "r2", "model": "position", "pose": [1, 2, 0], "controller": {"name": "wander")"),
+      std::string::npos)
+      << editor->text();
+}
+
 TEST(EditorTest, EditsThatDoNotLoadAreRefusedWithTheirPlace) {
   const test::TemporaryFolder folder;
   folder.Write("things.inc", kThings);
