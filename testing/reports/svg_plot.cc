@@ -97,7 +97,7 @@ class Plot {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
         "role=\"img\" aria-label=\"{2}\" font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"{0}\" "
         "height=\"{1}\" fill=\"#fff\"/>\n",
-        settings_.width, settings_.height, Escaped(settings_.title));
+        settings_.width, settings_.height, XmlText(settings_.title));
     svg += fmt::format("<text x=\"{}\" y=\"18\" text-anchor=\"middle\" font-size=\"13\">{}</text>\n",
                        settings_.width / 2, XmlText(settings_.title));
     return svg + MarksOfY() + (has_words() ? Words() : MarksOfX()) + FrameAndLabels() + Points() + "</svg>\n";
