@@ -13,6 +13,8 @@
 
 #include "fleet/checker.h"
 #include "fleet/codec.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 #include "troupe/simulation.h"
 
 namespace troupe {
@@ -437,6 +439,52 @@ TEST(Vda5050, RejectsWhatItCannotRead) {
   fleet.Step();
   EXPECT_TRUE(fleet.HasError("validationError"));
   EXPECT_EQ(fleet.state().order_id, "");
+}
+
+// Curves, speeds, orientations and actions by chance; what is blocked is cancelled. The checker finds nothing.
+TEST(Vda5050, ExecutesRandomOrders) {
+  FleetOfHall fleet;
+  fleet.Step();
+  std::uint64_t draws = 0;
+  const auto random = [&](double min, double max) { return min + (max - min) * RandomUniform({60, draws++}); };
+  int done = 0;
+  for (int i = 0; i < 25; ++i) {
+    const std::string id = "o" + std::to_string(i);
+    std::vector<Stop> stops = {{id + "s", fleet.pose().x, fleet.pose().y}};
+    for (int k = 0; k < 3; ++k) {
+      Stop& stop = stops.emplace_back(Stop{id + "n" + std::to_string(k), random(-5.0, 5.0), random(-2.0, 1.2)});
+      if (random(0.0, 1.0) < 0.3) stop.theta = random(-3.0, 3.0);
+      for (const char* const type : {"pick", "drop", "detectObject"}) {
+        if (random(0.0, 1.0) > 0.2) continue;
+        const auto blocking = random(0.0, 1.0) < 0.5 ? fleet::BlockingType::kHard : fleet::BlockingType::kNone;
+        stop.actions.push_back(ActionOf(type, stop.id + type, {}, blocking));
+      }
+    }
+    fleet::Order order = fleet.OrderOf(id, stops);
+    for (std::size_t k = 0; k < order.edges.size(); ++k) {
+      fleet::Edge& edge = order.edges[k];
+      if (random(0.0, 1.0) < 0.5) edge.maximum_speed = random(0.2, 1.5);
+      if (random(0.0, 1.0) < 0.2) edge.orientation = kPi;
+      if (random(0.0, 1.0) > 0.4) continue;
+      fleet::Trajectory& curve = edge.trajectory.emplace();
+      curve.degree = 2;
+      curve.knot_vector = {{0.0, 0.0, 0.0, 1.0, 1.0, 1.0}};
+      curve.control_points = {{stops[k].x, stops[k].y, 1.0},
+                              {random(-5.0, 5.0), random(-2.0, 1.2), random(0.5, 2.0)},
+                              {stops[k + 1].x, stops[k + 1].y, 1.0}};
+    }
+    fleet.Send(order);
+    if (fleet.StepUntil([&] { return fleet.IsDone() && !fleet.state().driving; }, 120.0)) {
+      ++done;
+      continue;
+    }
+    EXPECT_TRUE(fleet.HasError("pathBlocked")) << id;
+    fleet.Send({ActionOf("cancelOrder", id + "c")});
+    ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().node_states.empty() && !fleet.state().driving; })) << id;
+  }
+  EXPECT_GT(done, 10);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+  EXPECT_THAT(fleet.simulation().failures(), IsEmpty());
 }
 
 TEST(Vda5050, ContinuesFromASnapshotBitForBit) {
