@@ -355,6 +355,21 @@ TEST(Vda5050, ChargesAtAChargerOnly) {
   EXPECT_THAT(fleet.verdicts(), IsEmpty());
 }
 
+TEST(Vda5050, StandsWithAnEmptyBattery) {
+  const std::string file = testing::TempDir() + "vda5050_test.world";
+  std::ofstream(file) << R"(position( name "s1" pose [0 0 0 0] size [0.5 0.5 0.3] drive "diff" kjoules 0.05 watts 5
+    ctrl "vda5050 map=hall" ))";
+  FleetOfHall fleet("s1", fleet::Version::k2_1, file);
+  fleet.Step();
+  fleet.Send(fleet.OrderOf("o1", {{"a", 0.0, 0.0}, {"b", 50.0, 0.0}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("batteryEmpty"); }));
+  EXPECT_EQ(fleet.state().errors.front().level, fleet::ErrorLevel::kFatal);
+  EXPECT_EQ(fleet.state().power_supply.state_of_charge, 0.0);
+  fleet.Step(10);
+  EXPECT_FALSE(fleet.state().driving);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
 TEST(Vda5050, PausesGoesOnAndCancels) {
   FleetOfHall fleet;
   fleet.Step();
