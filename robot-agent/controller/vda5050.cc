@@ -32,6 +32,7 @@ constexpr double kJump = 0.3;              // m in a tick, beyond its motion: th
 constexpr double kShortBase = 2.0;         // s to the end of the base: more of it is asked for
 constexpr std::size_t kMostReached = 100;  // nodes in a tick
 constexpr char kBlocked[] = "pathBlocked";
+constexpr char kBatteryEmpty[] = "batteryEmpty";
 constexpr char kUnknownPlace[] = "nodePositionUnknown";
 
 class Vda5050 final : public Controller, public RobotWatcher {
@@ -49,6 +50,7 @@ class Vda5050 final : public Controller, public RobotWatcher {
     if (!profile_) Begin(observation);
     readings_ = MakeReadings(*around_, observation, info_.id, settings_);
     FollowMode(observation);
+    WatchBattery(observation);
     for (const FleetMessage& message : observation.fleet) Receive(message);
     Move(observation, command);
     for (const fleet::ActionProgress& progress : actions_.Work(memory_, observation, *around_, command)) {
@@ -105,6 +107,21 @@ class Vda5050 final : public Controller, public RobotWatcher {
       driver_.Forget();
     }
     last_place_ = at;
+  }
+
+  // Without energy it does nothing, until a person brings it to a charger.
+  void WatchBattery(const Observation& observation) {
+    const bool is_empty = observation.energy && observation.energy->capacity > 0.0 && observation.energy->joules <= 0.0;
+    if (std::exchange(is_battery_empty_, is_empty) == is_empty) return;
+    fleet::VehicleError error;
+    error.type = ErrorName(kBatteryEmpty, settings_.version);
+    if (!is_empty) {
+      Apply(fleet::ErrorCleared{error.type});
+      return;
+    }
+    error.level = fleet::ErrorLevel::kFatal;
+    error.description = "the battery is empty";
+    Apply(fleet::ErrorRaised{error});
   }
 
   // A message of another major version is not understood.
@@ -283,6 +300,7 @@ class Vda5050 final : public Controller, public RobotWatcher {
   std::optional<Vec2> last_place_;      // m
   std::optional<double> blocked_since_;
   bool has_told_block_ = false;
+  bool is_battery_empty_ = false;
 
   bool must_send_state_ = false;
   bool must_send_factsheet_ = false;

@@ -13,6 +13,8 @@
 
 #include "fleet/checker.h"
 #include "fleet/codec.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 #include "troupe/simulation.h"
 
 namespace troupe {
@@ -353,6 +355,21 @@ TEST(Vda5050, ChargesAtAChargerOnly) {
   EXPECT_THAT(fleet.verdicts(), IsEmpty());
 }
 
+TEST(Vda5050, StandsWithAnEmptyBattery) {
+  const std::string file = testing::TempDir() + "vda5050_test.world";
+  std::ofstream(file) << R"(position( name "s1" pose [0 0 0 0] size [0.5 0.5 0.3] drive "diff" kjoules 0.05 watts 5
+    ctrl "vda5050 map=hall" ))";
+  FleetOfHall fleet("s1", fleet::Version::k2_1, file);
+  fleet.Step();
+  fleet.Send(fleet.OrderOf("o1", {{"a", 0.0, 0.0}, {"b", 50.0, 0.0}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("batteryEmpty"); }));
+  EXPECT_EQ(fleet.state().errors.front().level, fleet::ErrorLevel::kFatal);
+  EXPECT_EQ(fleet.state().power_supply.state_of_charge, 0.0);
+  fleet.Step(10);
+  EXPECT_FALSE(fleet.state().driving);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
 TEST(Vda5050, PausesGoesOnAndCancels) {
   FleetOfHall fleet;
   fleet.Step();
@@ -437,6 +454,55 @@ TEST(Vda5050, RejectsWhatItCannotRead) {
   fleet.Step();
   EXPECT_TRUE(fleet.HasError("validationError"));
   EXPECT_EQ(fleet.state().order_id, "");
+}
+
+// Curves, speeds, orientations and actions by chance; what is blocked is cancelled. The checker finds nothing.
+TEST(Vda5050, ExecutesRandomOrders) {
+  FleetOfHall fleet;
+  ASSERT_TRUE(fleet.simulation().SetPose("cart_2", {6.3, -3.4, 0.0, 0.0}).ok());
+  fleet.Step();
+  std::uint64_t draws = 0;
+  const auto random = [&](double min, double max) { return min + (max - min) * RandomUniform({60, draws++}); };
+  int done = 0;
+  std::string blocks;
+  for (int i = 0; i < 25; ++i) {
+    const std::string id = "o" + std::to_string(i);
+    std::vector<Stop> stops = {{id + "s", fleet.pose().x, fleet.pose().y}};
+    for (int k = 0; k < 3; ++k) {
+      Stop& stop = stops.emplace_back(Stop{id + "n" + std::to_string(k), random(-5.0, 5.0), random(-2.0, 0.8)});
+      if (random(0.0, 1.0) < 0.3) stop.theta = random(-3.0, 3.0);
+      for (const char* const type : {"pick", "drop", "detectObject"}) {
+        if (random(0.0, 1.0) > 0.2) continue;
+        const auto blocking = random(0.0, 1.0) < 0.5 ? fleet::BlockingType::kHard : fleet::BlockingType::kNone;
+        stop.actions.push_back(ActionOf(type, stop.id + type, {}, blocking));
+      }
+    }
+    fleet::Order order = fleet.OrderOf(id, stops);
+    for (std::size_t k = 0; k < order.edges.size(); ++k) {
+      fleet::Edge& edge = order.edges[k];
+      if (random(0.0, 1.0) < 0.5) edge.maximum_speed = random(0.2, 1.5);
+      if (random(0.0, 1.0) < 0.2) edge.orientation = kPi;
+      if (random(0.0, 1.0) > 0.4) continue;
+      fleet::Trajectory& curve = edge.trajectory.emplace();
+      curve.degree = 2;
+      curve.knot_vector = {{0.0, 0.0, 0.0, 1.0, 1.0, 1.0}};
+      curve.control_points = {{stops[k].x, stops[k].y, 1.0},
+                              {random(-5.0, 5.0), random(-2.0, 0.8), random(0.5, 2.0)},
+                              {stops[k + 1].x, stops[k + 1].y, 1.0}};
+    }
+    fleet.Send(order);
+    if (fleet.StepUntil([&] { return fleet.IsDone() && !fleet.state().driving; }, 120.0)) {
+      ++done;
+      continue;
+    }
+    EXPECT_TRUE(fleet.HasError("pathBlocked")) << id;
+    for (const fleet::VehicleError& error : fleet.state().errors) blocks += *error.description + "; ";
+    fleet.Send({ActionOf("cancelOrder", id + "c")});
+    ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().node_states.empty() && !fleet.state().driving; })) << id;
+  }
+  EXPECT_GT(done, 10) << blocks;
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+  EXPECT_THAT(fleet.simulation().failures(), IsEmpty());
 }
 
 TEST(Vda5050, ContinuesFromASnapshotBitForBit) {
