@@ -331,7 +331,7 @@ class XacroExpander {
       if (out.size() > kMaxValueBytes) return Error{{}, "found a text that is too long, expected a shorter one"};
       at = end + 1;
     }
-    return ValueOfText(out);
+    return ExpressionValue(std::move(out));
   }
 
   // Commands in an expression are replaced before it is evaluated: ${'$(arg sim)' == 'gazebo'}.
@@ -347,7 +347,9 @@ class XacroExpander {
       if (raw == nullptr) return std::optional<ExpressionValue>();
       Result<ExpressionValue> value = Substitute(*raw, file, *at, depth + 1);
       if (!value.ok()) return value.error();
-      return std::optional(std::move(value).value());
+      // A property that looks like a number is one.
+      const auto* const found = std::get_if<std::string>(&value.value());
+      return std::optional(found != nullptr ? ValueOfText(*found) : std::move(value).value());
     });
   }
 
@@ -359,7 +361,7 @@ class XacroExpander {
     const std::string name = words.size() > 1 ? words[1] : "";
     if (word == "arg") {
       const auto found = arguments_.find(name);
-      if (found != arguments_.end()) return ValueOfText(found->second);
+      if (found != arguments_.end()) return ExpressionValue(found->second);
       return Error{{}, "found the argument " + Quoted(name) + " without a default, expected one: xacro:arg"};
     }
     if (word == "find") {
