@@ -199,7 +199,8 @@ Status DefineModelFile(const std::string& name, const std::string& path, const S
   if (!read.ok()) return read.error();
   WorldNode& node = read.value();
   std::erase_if(node.properties, [](const Property& each) { return each.name == "name" || each.name == "pose"; });
-  tree.defines.emplace(name, Define{node.type, std::move(node.properties), std::move(node.children), where, node.draft});
+  tree.defines.emplace(name,
+                       Define{node.type, std::move(node.properties), std::move(node.children), where, node.draft});
   return Status();
 }
 
@@ -223,7 +224,8 @@ Status AddRobots(const std::vector<std::string>& robots, const AllowedPaths& all
     std::vector<double> place = {0, 0, 0};
     if (at != std::string::npos) {
       const std::optional<std::vector<double>> parsed = ParsePlace(text.substr(at + 1));
-      if (!parsed) return Error{where, "found the place " + Quoted(text.substr(at + 1)) + ", expected X,Y or X,Y,HEADING"};
+      if (!parsed)
+        return Error{where, "found the place " + Quoted(text.substr(at + 1)) + ", expected X,Y or X,Y,HEADING"};
       place = *parsed;
     }
     if (Status status = DefineModelFile(path, path, where, allowed, tree); !status.ok()) return status;

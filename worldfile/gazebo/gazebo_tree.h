@@ -1,8 +1,8 @@
 // Worlds, models and robots of Gazebo and ROS as trees: SDF (.sdf, and .world with XML), URDF (.urdf), xacro (.xacro).
 //
 // A file with a world becomes a tree as a Stage file does, so that scenarios change it like any other. A file with a
-// model becomes a define, under the name by which a scenario or an option refers to it; in a Stage world a model has the
-// property `model_file`.
+// model becomes a define, under the name by which a scenario or an option refers to it; in a Stage world a model has
+// the property `model_file`.
 #pragma once
 
 #include <string>

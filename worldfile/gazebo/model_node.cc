@@ -51,8 +51,8 @@ class NodeBuilder {
     for (const LinkPart& link : model_.links) AddBody(link);
     if (diagnostics_.failed()) return std::nullopt;
     WarnOfErrors();
-    const bool has_body = std::any_of(carriers_.begin(), carriers_.end(),
-                                      [](const Carrier& carrier) { return !carrier.blocks.empty(); });
+    const bool has_body =
+        std::any_of(carriers_.begin(), carriers_.end(), [](const Carrier& carrier) { return !carrier.blocks.empty(); });
     if (!has_body && !is_robot_) return std::nullopt;
     NodeMaker maker = MakerOf(0, is_robot_ ? "position" : "model");
     maker.Text("name", model_.name);
@@ -289,7 +289,7 @@ class NodeBuilder {
   bool has_collisions_ = false;
   double lowest_ = 0.0;  // m, of the collisions above the origin of M
   std::vector<Carrier> carriers_;
-  std::map<std::string, std::size_t> carrier_of_;  // by link
+  std::map<std::string, std::size_t> carrier_of_;   // by link
   std::vector<std::unique_ptr<BodyDraft>> drafts_;  // by carrier
   std::optional<Color> color_;
   double worst_error_ = 0.0;

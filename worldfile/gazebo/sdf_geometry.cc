@@ -55,8 +55,7 @@ void ReadPolylines(const XmlValues& values, const XmlElement& geometry, std::vec
 
 void ReadMeshShape(const XmlValues& values, const XmlElement& mesh, ModelFiles& files, std::vector<Solid>& solids) {
   const XmlElement* const element = mesh.Find("uri");
-  const std::string uri =
-      element != nullptr ? std::string(element->Trimmed()) : XmlValues::Attribute(mesh, "filename");
+  const std::string uri = element != nullptr ? std::string(element->Trimmed()) : XmlValues::Attribute(mesh, "filename");
   const SourceLocation where = element != nullptr ? XmlTextPlace(*element, values.file()) : values.At(mesh);
   const Result<std::string> path = files.Find(uri, values.file(), where);
   if (!path.ok()) {
@@ -77,7 +76,8 @@ void ReadMeshShape(const XmlValues& values, const XmlElement& mesh, ModelFiles& 
     const std::string name = XmlValues::Text(*submesh, "name");
     TriangleMesh part = PartOf(*solid.mesh, name);
     if (part.triangles.empty()) {
-      values.Warn(*submesh, "found no part " + Quoted(name) + " in " + QuotedPath(path.value()) + "; the whole is used");
+      values.Warn(*submesh,
+                  "found no part " + Quoted(name) + " in " + QuotedPath(path.value()) + "; the whole is used");
     } else {
       if (XmlValues::Flag(*submesh, "center", false)) {
         Vec3 low = part.points[part.triangles.front()[0]];

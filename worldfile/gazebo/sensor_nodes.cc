@@ -11,10 +11,10 @@
 namespace troupe {
 namespace {
 
-constexpr double kSamePlace = 1e-3;    // m
-constexpr double kSameAngle = 5e-3;    // rad
-constexpr double kFullCircle = 0.05;   // rad: a fan that lacks less than this is a circle
-constexpr double kSteepest = 1.4835;   // rad, of rays; 85 degrees
+constexpr double kSamePlace = 1e-3;   // m
+constexpr double kSameAngle = 5e-3;   // rad
+constexpr double kFullCircle = 0.05;  // rad: a fan that lacks less than this is a circle
+constexpr double kSteepest = 1.4835;  // rad, of rays; 85 degrees
 constexpr double kMaxCameraSide = 2048;
 
 // The words after the slashes of a topic.

@@ -17,7 +17,7 @@ namespace troupe {
 // Where a sensor is: in the frame B of the model that carries it, which is upright.
 struct SensorMount {
   Transform3 T_BS;
-  std::string link;                                // that it is on
+  std::string link;                                 // that it is on
   const std::map<std::string, Transform3>* frames;  // in B, of the robot's file
 };
 

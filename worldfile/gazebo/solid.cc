@@ -9,11 +9,11 @@ namespace troupe {
 namespace {
 
 constexpr int kRoundSides = 32;
-constexpr int kRings = 8;                // of a half of a sphere
-constexpr double kThinnest = 1e-4;       // m, of a block's height
+constexpr int kRings = 8;           // of a half of a sphere
+constexpr double kThinnest = 1e-4;  // m, of a block's height
 // m: the footprint of a lower band says nothing, because its height is an error of less.
 constexpr double kLowBand = 0.01;
-constexpr double kStraight = 5e-4;       // m: corners nearer to the line between their neighbours are left out
+constexpr double kStraight = 5e-4;        // m: corners nearer to the line between their neighbours are left out
 constexpr double kSheetThickness = 0.01;  // m, of a wall without one
 
 struct Detail {
@@ -96,9 +96,12 @@ Polyhedron PolyhedronOf(const Solid& solid) {
       const double tip = solid.kind == Solid::Kind::kCone ? 1e-3 * r : r;
       return FromRings({Ring(r, r, -0.5 * solid.length), Ring(tip, tip, 0.5 * solid.length)});
     }
-    case Solid::Kind::kSphere: return RoundBody({solid.radius, solid.radius, solid.radius}, 0.0);
-    case Solid::Kind::kCapsule: return RoundBody({solid.radius, solid.radius, solid.radius}, solid.length);
-    case Solid::Kind::kEllipsoid: return RoundBody(solid.size, 0.0);
+    case Solid::Kind::kSphere:
+      return RoundBody({solid.radius, solid.radius, solid.radius}, 0.0);
+    case Solid::Kind::kCapsule:
+      return RoundBody({solid.radius, solid.radius, solid.radius}, solid.length);
+    case Solid::Kind::kEllipsoid:
+      return RoundBody(solid.size, 0.0);
     case Solid::Kind::kPrism: {
       std::vector<Vec3> bottom;
       std::vector<Vec3> top;
@@ -108,7 +111,8 @@ Polyhedron PolyhedronOf(const Solid& solid) {
       }
       return FromRings({bottom, top});
     }
-    case Solid::Kind::kMesh: break;
+    case Solid::Kind::kMesh:
+      break;
   }
   return {};
 }

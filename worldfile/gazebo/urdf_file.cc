@@ -188,7 +188,8 @@ class UrdfReader {
       }
       if (child.name != "sensor") continue;
       if (link == index_.end()) {
-        values_.Warn(child, "found a sensor on " + Quoted(reference) + ", expected a link of the robot; it is left out");
+        values_.Warn(child,
+                     "found a sensor on " + Quoted(reference) + ", expected a link of the robot; it is left out");
         continue;
       }
       const XmlElement* const pose = child.Find("pose");
