@@ -21,6 +21,9 @@ bool IsGazeboPath(const std::string& path, const AllowedPaths& allowed = Allowed
 // Whether a name in a scenario ends as that of a file with a model.
 bool IsModelFile(std::string_view name);
 
+// The name of such a file's model for its copies: the file's without its ending, or that of the folder of a model.sdf.
+std::string NameOfModelFile(std::string_view path);
+
 // The tree of a file with a world, or with models only.
 Result<WorldTree> ReadGazeboTree(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
 

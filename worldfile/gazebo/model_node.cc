@@ -168,7 +168,7 @@ class NodeBuilder {
 
   void WarnOfErrors() {
     if (worst_ != nullptr && worst_error_ > kNotableError) {
-      const bool is_mesh = worst_->solid.kind == Solid::Kind::kMesh;
+      const bool is_mesh = worst_->solid.kind == SolidShape::Kind::kMesh;
       diagnostics_.Warn(worst_->where, "found " + std::string(is_mesh ? "a mesh" : "a shape that is not upright") +
                                            " in " + Quoted(model_.name) + ", which is shown by " +
                                            CountText(block_count_, "block") + ": at some heights it is up to " +
@@ -230,7 +230,7 @@ class NodeBuilder {
                             "found a sensor on a model without a drive; it measures nothing, and is left out");
           continue;
         }
-        const SensorMount mount{T_BM * link.T_ML * sensor.T_LS, link.name, &frames};
+        const SensorAttachment mount{T_BM * link.T_ML * sensor.T_LS, link.name, &frames};
         if (std::optional<WorldNode> node = SensorNode(sensor, mount, diagnostics_)) maker.Child(std::move(*node));
       }
     }

@@ -18,7 +18,7 @@
 namespace troupe {
 
 struct SolidPart {
-  Solid solid;
+  SolidShape solid;
   Transform3 T_LS;
   std::optional<Color> color;
   SourceLocation where;

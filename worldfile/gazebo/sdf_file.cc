@@ -430,13 +430,13 @@ class SdfReader {
     // Looks are read for what nothing else shows, and a fault in them is no reason to refuse a world.
     if (is_visual) {
       Diagnostics own;
-      for (Solid& solid : ReadGeometry(*geometry, values.file(), files_, own)) {
+      for (SolidShape& solid : ReadGeometry(*geometry, values.file(), files_, own)) {
         link.visuals.push_back({std::move(solid), T_LS, ReadMaterial(element, values), values.At(element)});
       }
       if (own.failed()) link.visual_faults.push_back(*own.error());
       return;
     }
-    for (Solid& solid : ReadGeometry(*geometry, values.file(), files_, diagnostics_)) {
+    for (SolidShape& solid : ReadGeometry(*geometry, values.file(), files_, diagnostics_)) {
       link.collisions.push_back({std::move(solid), T_LS, std::nullopt, values.At(element)});
     }
   }

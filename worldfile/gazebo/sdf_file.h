@@ -30,7 +30,7 @@ Result<SdfWorld> ReadSdf(const std::string& path, ModelFiles& files, Diagnostics
 
 // The solid of a `geometry`; nothing for one that has no solid, with a warning if it matters, or after an error. Also
 // of URDF, whose geometries have attributes in place of elements.
-std::vector<Solid> ReadGeometry(const XmlElement& geometry, const std::string& file, ModelFiles& files,
-                                Diagnostics& diagnostics);
+std::vector<SolidShape> ReadGeometry(const XmlElement& geometry, const std::string& file, ModelFiles& files,
+                                     Diagnostics& diagnostics);
 
 }  // namespace troupe

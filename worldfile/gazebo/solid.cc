@@ -83,26 +83,26 @@ Polyhedron RoundBody(const Vec3& radii, double length) {
   return FromRings(rings);
 }
 
-Polyhedron PolyhedronOf(const Solid& solid) {
+Polyhedron PolyhedronOf(const SolidShape& solid) {
   switch (solid.kind) {
-    case Solid::Kind::kBox: {
+    case SolidShape::Kind::kBox: {
       const Vec3 h = solid.size * 0.5;
       return FromRings({{{-h.x, -h.y, -h.z}, {h.x, -h.y, -h.z}, {h.x, h.y, -h.z}, {-h.x, h.y, -h.z}},
                         {{-h.x, -h.y, h.z}, {h.x, -h.y, h.z}, {h.x, h.y, h.z}, {-h.x, h.y, h.z}}});
     }
-    case Solid::Kind::kCylinder:
-    case Solid::Kind::kCone: {
+    case SolidShape::Kind::kCylinder:
+    case SolidShape::Kind::kCone: {
       const double r = PolygonRadius(solid.radius);
-      const double tip = solid.kind == Solid::Kind::kCone ? 1e-3 * r : r;
+      const double tip = solid.kind == SolidShape::Kind::kCone ? 1e-3 * r : r;
       return FromRings({Ring(r, r, -0.5 * solid.length), Ring(tip, tip, 0.5 * solid.length)});
     }
-    case Solid::Kind::kSphere:
+    case SolidShape::Kind::kSphere:
       return RoundBody({solid.radius, solid.radius, solid.radius}, 0.0);
-    case Solid::Kind::kCapsule:
+    case SolidShape::Kind::kCapsule:
       return RoundBody({solid.radius, solid.radius, solid.radius}, solid.length);
-    case Solid::Kind::kEllipsoid:
+    case SolidShape::Kind::kEllipsoid:
       return RoundBody(solid.size, 0.0);
-    case Solid::Kind::kPrism: {
+    case SolidShape::Kind::kPrism: {
       std::vector<Vec3> bottom;
       std::vector<Vec3> top;
       for (const Vec2& corner : solid.outline) {
@@ -111,7 +111,7 @@ Polyhedron PolyhedronOf(const Solid& solid) {
       }
       return FromRings({bottom, top});
     }
-    case Solid::Kind::kMesh:
+    case SolidShape::Kind::kMesh:
       break;
   }
   return {};
@@ -289,8 +289,8 @@ SolidBlocks HullsInBands(const std::vector<Vec3>& points, const std::vector<std:
   return made;
 }
 
-SolidBlocks BlocksOf(const Solid& solid, const Transform3& T, SolidUse use) {
-  if (solid.kind == Solid::Kind::kMesh) {
+SolidBlocks BlocksOf(const SolidShape& solid, const Transform3& T, SolidUse use) {
+  if (solid.kind == SolidShape::Kind::kMesh) {
     TriangleMesh placed = *solid.mesh;
     for (Vec3& p : placed.points) p = T * Vec3{p.x * solid.size.x, p.y * solid.size.y, p.z * solid.size.z};
     if (solid.size.x * solid.size.y * solid.size.z < 0.0) {
@@ -299,7 +299,7 @@ SolidBlocks BlocksOf(const Solid& solid, const Transform3& T, SolidUse use) {
     }
     return MeshBlocks(placed, use);
   }
-  const bool is_upright_prism = solid.kind == Solid::Kind::kPrism && IsVertical(T.z_axis());
+  const bool is_upright_prism = solid.kind == SolidShape::Kind::kPrism && IsVertical(T.z_axis());
   if (is_upright_prism) {
     const bool is_up = T.z_axis().z > 0.0;
     Polygon outline;

@@ -20,7 +20,7 @@
 namespace troupe {
 
 // Lengths in m. The solid's frame is in its middle, but for a prism and a mesh.
-struct Solid {
+struct SolidShape {
   enum class Kind : std::uint8_t { kBox, kCylinder, kCone, kSphere, kCapsule, kEllipsoid, kPrism, kMesh };
 
   Kind kind = Kind::kBox;
@@ -44,7 +44,7 @@ struct SolidBlocks {
 
 // The blocks of a solid whose frame is at T in the frame of the blocks. Parts without a volume, such as a horizontal
 // sheet, have no block.
-SolidBlocks BlocksOf(const Solid& solid, const Transform3& T, SolidUse use);
+SolidBlocks BlocksOf(const SolidShape& solid, const Transform3& T, SolidUse use);
 
 // The parts of it.
 
