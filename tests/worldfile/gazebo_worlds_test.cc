@@ -195,9 +195,9 @@ const BadSdf kBadSdfs[] = {
     {"<model><link name=\"b\"/></model>",
      "w.sdf:4:1: error: found a model without a name, expected the attribute 'name'"},
     {SdfModelText("a", "0 0 0 0 0 0", SdfBox("1 -1 1")),
-     "w.sdf:4:132: error: found a 'box' of 1 x -1 x 1, expected lengths above 0"},
+     "w.sdf:4:134: error: found a 'box' of 1 x -1 x 1, expected lengths above 0"},
     {SdfModelText("a", "0 0 0 0 0 0", "<sphere><radius>0</radius></sphere>"),
-     "w.sdf:4:148: error: found a 'radius' of 0, expected more than 0"},
+     "w.sdf:4:150: error: found a 'radius' of 0, expected more than 0"},
     {"<model name=\"a\"><pose relative_to=\"b\">0 0 0 0 0 0</pose></model>",
      "w.sdf:4:1: error: found the frame 'b', expected a link, joint, model or frame beside it"},
     {"<frame name=\"f\"><pose relative_to=\"g\">0 0 0 0 0 0</pose></frame>\n"
@@ -205,7 +205,7 @@ const BadSdf kBadSdfs[] = {
      "<model name=\"a\"><pose relative_to=\"g\">0 0 0 0 0 0</pose></model>",
      "w.sdf:5:1: error: found the frame 'g' relative to itself, expected no cycle"},
     {"<include>\n<uri>file://loop.sdf</uri></include>",
-     "loop.sdf:1:38: error: found an include of 'file://loop.sdf' inside itself, expected no include loop"},
+     "loop.sdf:1:36: error: found an include of 'file://loop.sdf' inside itself, expected no include loop"},
     {"<include><uri>https://fuel.example/table</uri></include>",
      "w.sdf:4:15: error: found 'https://fuel.example/table', which is on a server, expected a model of this machine: "
      "one that Gazebo has downloaded, or a folder of its name on --model-path"},

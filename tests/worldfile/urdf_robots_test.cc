@@ -74,18 +74,19 @@ TEST_F(UrdfRobots, HasItsSizeDriveAndSensors) {
   ASSERT_THAT(loaded.world.robots, SizeIs(1));
   const RobotDescription& robot = loaded.world.robots[0];
   EXPECT_EQ(robot.name, "rover");
-  ExpectExtent(ExtentOf(loaded.world, "rover"), {-0.2, -0.19, 0.2, 0.19}, {0, 0.15}, 0.002);
+  ExpectExtent(ExtentOf(loaded.world, "rover"), {-0.2, -0.19, 0.2, 0.19}, {0, 0.16}, 0.002);
   EXPECT_EQ(robot.drive.type, DriveType::kDifferential);
   EXPECT_NEAR(robot.drive.velocity.x.max, 0.8, 0.01);  // 10 rad/s of wheels of 0.08 m
   ASSERT_THAT(robot.sensors, SizeIs(3));
-  EXPECT_EQ(robot.sensors[0].name, "scan");
-  EXPECT_EQ(robot.sensors[0].frame, "laser");
-  const auto& ranger = std::get<RangerParameters>(robot.sensors[0].parameters);
+  // In the order of the links.
+  EXPECT_EQ(robot.sensors[0].name, "imu");
+  EXPECT_EQ(robot.sensors[1].name, "scan");
+  EXPECT_EQ(robot.sensors[1].frame, "laser");
+  const auto& ranger = std::get<RangerParameters>(robot.sensors[1].parameters);
   EXPECT_EQ((*ranger.ray_sensors)[0].samples, 360U);
   EXPECT_NEAR((*ranger.ray_sensors)[0].noise_variance, 1e-4, 1e-12);
-  EXPECT_EQ(robot.sensors[1].name, "front");
-  EXPECT_EQ(std::get<CameraParameters>(robot.sensors[1].parameters).width, 64U);
-  EXPECT_EQ(robot.sensors[2].name, "imu");
+  EXPECT_EQ(robot.sensors[2].name, "front");
+  EXPECT_EQ(std::get<CameraParameters>(robot.sensors[2].parameters).width, 64U);
   ASSERT_THAT(loaded.warnings, SizeIs(1));
   EXPECT_THAT(loaded.warnings[0].message, HasSubstr("a sensor of type 'navsat' is left out"));
 }
@@ -184,7 +185,7 @@ const BadUrdf kBadUrdfs[] = {
     {"<robot><link name=\"a\"/>\n<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/></joint></robot>",
      "r.urdf:2:1: error: found a joint without a 'child', expected the name of a link"},
     {"<robot>" + UrdfLink("a", "<box size=\"1 x 1\"/>") + "</robot>",
-     "r.urdf:1:89: error: found 'x' in 'size', expected a number"},
+     "r.urdf:1:82: error: found 'x' in 'size', expected a number"},
     {"<robot>" + UrdfLink("a", "<mesh filename=\"package://robot/a.stl\"/>") + "</robot>", "found no file for"},
 };
 
@@ -305,7 +306,7 @@ TEST_F(UrdfRobots, DriveInAWorldOfSdfAndMeasureIt) {
   Simulation& simulation = made.value();
   const RobotId robot = *simulation.FindRobot("a");
   // The lidar is 0.1 m ahead, the wall's face at 1.9 m. The middle ray of 360 is half a step beside the axis.
-  const auto reading = simulation.Measure(robot, 0);
+  const auto reading = simulation.Measure(robot, 1);
   const RangerReading* const ranges = reading.As<RangerReading>();
   ASSERT_NE(ranges, nullptr);
   EXPECT_NEAR(ranges->scan(0).ranges[180], 1.8, 0.05);

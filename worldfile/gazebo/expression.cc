@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -278,7 +279,11 @@ class ExpressionParser {
       const ExpressionValue& a = arguments[0];
       const auto* const text = std::get_if<std::string>(&a);
       if ((name == "float" || name == "int") && text != nullptr) arguments[0] = ValueOfText(*text);
-      const double x = number(0);
+      constexpr std::string_view kFunctions[] = {"sin",  "cos",     "tan",     "asin", "acos", "atan",
+                                                 "sqrt", "radians", "degrees", "abs",  "fabs", "float",
+                                                 "int",  "round",   "floor",   "ceil", "bool"};
+      const bool is_known = std::find(std::begin(kFunctions), std::end(kFunctions), name) != std::end(kFunctions);
+      const double x = is_known ? number(0) : 0.0;
       const SinCosResult angle = SinCos(std::fabs(x) < 1e5 ? x : 0.0);
       if (name == "sin") return angle.sin;
       if (name == "cos") return angle.cos;

@@ -13,6 +13,7 @@ constexpr int kRings = 8;           // of a half of a sphere
 constexpr double kThinnest = 1e-4;  // m, of a block's height
 // m: the footprint of a lower band says nothing, because its height is an error of less.
 constexpr double kLowBand = 0.01;
+constexpr double kNearlyLevel = 5e-3;     // m, of heights that count as those of a band's bottom or top
 constexpr double kStraight = 5e-4;        // m: corners nearer to the line between their neighbours are left out
 constexpr double kSheetThickness = 0.01;  // m, of a wall without one
 
@@ -227,28 +228,28 @@ class BandMaker {
   }
 
  private:
-  // The part of an edge between two heights, and where it crosses them.
+  // The part of an edge between two heights, and its parts at the bottom and at the top of the band.
   static void AddEdge(const Vec3& p, const Vec3& q, double low, double high, Polygon& inside, Polygon& at_low,
                       Polygon& at_high) {
     const Vec3& a = p.z <= q.z ? p : q;
     const Vec3& b = p.z <= q.z ? q : p;
-    if (a.z > high || b.z < low) return;
-    const auto at = [&](double z) {
-      if (z <= a.z) return Vec2(a.x, a.y);
-      if (z >= b.z) return Vec2(b.x, b.y);
-      const double t = (z - a.z) / (b.z - a.z);
-      return Vec2(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
+    const auto add = [&](double from, double to, Polygon& part) {
+      if (a.z > to || b.z < from) return;
+      const auto at = [&](double z) {
+        if (z <= a.z) return Vec2(a.x, a.y);
+        if (z >= b.z) return Vec2(b.x, b.y);
+        const double t = (z - a.z) / (b.z - a.z);
+        return Vec2(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
+      };
+      part.push_back(at(from));
+      part.push_back(at(to));
+      if (a.z == b.z) part.emplace_back(b.x, b.y);
     };
-    inside.push_back(at(low));
-    inside.push_back(at(high));
-    // Sections of a level edge are both of its ends.
-    if (a.z <= low) at_low.push_back(at(low));
-    if (b.z >= high) at_high.push_back(at(high));
-    if (a.z == b.z) {
-      inside.push_back({b.x, b.y});
-      if (a.z <= low) at_low.push_back({b.x, b.y});
-      if (b.z >= high) at_high.push_back({a.x, a.y});
-    }
+    add(low, high, inside);
+    // Not at one height only: a face that its author thought level is none after rounding.
+    const double nearly = std::min(kNearlyLevel, 0.25 * (high - low));
+    add(low, low + nearly, at_low);
+    add(high - nearly, high, at_high);
   }
 
   const std::vector<Vec3>& points_;

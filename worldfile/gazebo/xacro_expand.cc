@@ -14,7 +14,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMaxEvaluations = 2'000'000;
+constexpr std::size_t kMaxEvaluations = 100'000;
 constexpr int kMaxMacroDepth = 60;  // macros, includes and elements inside each other
 constexpr std::size_t kMaxValueBytes = 1'000'000;
 

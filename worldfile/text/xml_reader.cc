@@ -271,6 +271,7 @@ class XmlParser {
     while (!error_) {
       const std::size_t next = text_.find('<', at_);
       if (next == std::string_view::npos) {
+        Advance(text_.size());
         Fault("found the end of the file in element " + Quoted(element.name) + " of line " +
               std::to_string(element.line) + ", expected " + Quoted("</" + element.name + ">"));
         return;
