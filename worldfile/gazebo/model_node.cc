@@ -27,7 +27,7 @@ struct Carrier {
   Transform3 T_MB;
   std::vector<Block> blocks;
   Rectangle area = Rectangle::Nothing();
-  double top = 0.0;
+  ZRange z;
 };
 
 bool IsUprightTransform(const Transform3& T) {
@@ -45,7 +45,7 @@ class NodeBuilder {
     // The root's frame is upright, below the origin of M; a tilt is in the blocks.
     const Vec3& p = model_.T_PM.translation();
     const Transform3 T_PB = Transform3::FromRpy(p, 0, 0, model_.T_PM.yaw());
-    carriers_.push_back({nullptr, 0, model_.T_PM.Inverse() * T_PB, {}, Rectangle::Nothing(), 0.0});
+    carriers_.push_back({nullptr, 0, model_.T_PM.Inverse() * T_PB, {}, Rectangle::Nothing(), {}});
     if (is_robot_) Settle();
     FindCarriers();
     for (const LinkPart& link : model_.links) AddBody(link);
@@ -124,7 +124,7 @@ class NodeBuilder {
           // Upright, at the joint, with the heading of the root.
           const Transform3 T_BJ = carriers_[0].T_MB.Inverse() * (*joint)->T_MJ;
           const Transform3 at = Transform3::FromRpy(T_BJ.translation(), 0, 0, 0);
-          carriers_.push_back({*joint, carrier, carriers_[0].T_MB * at, {}, Rectangle::Nothing(), 0.0});
+          carriers_.push_back({*joint, carrier, carriers_[0].T_MB * at, {}, Rectangle::Nothing(), {}});
         }
         carrier = entry->second;
       }
@@ -160,7 +160,9 @@ class NodeBuilder {
       block_count_ += blocks.blocks.size();
       for (Block& block : blocks.blocks) {
         carrier.area.Extend(BoundingBox(block.outline));
-        carrier.top = std::max(carrier.top, block.z.max);
+        const bool is_first = carrier.blocks.empty();
+        carrier.z =
+            is_first ? block.z : ZRange{std::min(carrier.z.min, block.z.min), std::max(carrier.z.max, block.z.max)};
         carrier.blocks.push_back(std::move(block));
       }
     }
@@ -188,7 +190,7 @@ class NodeBuilder {
     if (carrier.area.empty()) {
       maker.Numbers("size", {0.1, 0.1, 0.1}).Number("noblocks", 1);
     } else {
-      maker.Numbers("size", {carrier.area.width(), carrier.area.height(), std::max(carrier.top, 1e-3)});
+      maker.Numbers("size", {carrier.area.width(), carrier.area.height(), carrier.z.max - carrier.z.min});
     }
     if (color_) {
       maker.Numbers("color_rgba", {color_->r, color_->g, color_->b, color_->a});
