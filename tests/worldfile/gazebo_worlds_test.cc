@@ -235,7 +235,7 @@ TEST_F(GazeboWorlds, IncludesThatDoubleAreAnError) {
                   "<sdf><model name=\"m\">" + next + "a</name></include>" + next + "b</name></include></model></sdf>");
   }
   folder_.Write("40.sdf", "<sdf><model name=\"m\"><link name=\"l\"/></model></sdf>");
-  EXPECT_THAT(ErrorOf("<include><uri>file://0.sdf</uri></include>"), HasSubstr("found more than 100000 models"));
+  EXPECT_THAT(ErrorOf("<include><uri>file://0.sdf</uri></include>"), HasSubstr("found more than 20000 models"));
 }
 
 TEST_F(GazeboWorlds, AScenarioAddsRobotsToAWorldOfSdfAndSpawnsItsModels) {

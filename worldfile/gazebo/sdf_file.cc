@@ -13,7 +13,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kMaxOpenIncludes = 50;
-constexpr std::size_t kMaxModels = 100'000;
+constexpr std::size_t kMaxModels = 20'000;
 constexpr std::size_t kMaxLinks = 200'000;
 
 // Elements that concern looks, physics engines or windows; what else is not read gets a warning.

@@ -41,7 +41,7 @@ struct XmlElement {
   std::string_view Trimmed() const;
 };
 
-inline constexpr std::size_t kMaxXmlElements = 1'000'000;
+inline constexpr std::size_t kMaxXmlElements = 300'000;
 inline constexpr std::size_t kMaxXmlDepth = 100;
 
 // The root element of a text. `path` is for messages.
