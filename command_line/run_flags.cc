@@ -91,16 +91,18 @@ CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
       .add_option(
           "FILE", file,
           "A Stage world (.world), a world, model or robot of Gazebo or ROS (.sdf, .world, .urdf, .xacro), a scenario "
-          "or a layout (LIF) (.json), a building (.building.yaml), a ROS map (.yaml), a map of cells (.map, .pogema) or a problem of paths on one (.scen, .json of the League)")
+          "or a layout (LIF) (.json), a building (.building.yaml), a ROS map (.yaml), a map of cells (.map, .pogema) "
+          "or a problem of paths on one (.scen, .json of the League)")
       ->required()
       ->check(NotEmpty())
       ->type_name("");
 }
 
 void AddRobotFilesFlag(CLI::App& app, std::vector<std::string>& robots, const std::string& group) {
-  app.add_option("--robot", robots,
-                 "A robot that is added to the world, a file of URDF, xacro or SDF, at the origin or at X,Y and HEADING "
-                 "(m, degrees); repeatable")
+  app.add_option(
+         "--robot", robots,
+         "A robot that is added to the world, a file of URDF, xacro or SDF, at the origin or at X,Y and HEADING "
+         "(m, degrees); repeatable")
       ->check(NotEmpty())
       ->type_name("FILE[@X,Y[,HEADING]]")
       ->allow_extra_args(false)

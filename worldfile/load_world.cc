@@ -80,7 +80,8 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
   }
   return Error{{path},
                "found a file ending in " + Quoted(ending) +
-                   ", expected .world (Stage, Gazebo), .sdf (Gazebo), .urdf or .xacro (a robot), .json (scenario, LIF), .yaml (ROS map) or "
+                   ", expected .world (Stage, Gazebo), .sdf (Gazebo), .urdf or .xacro (a robot), .json (scenario, "
+                   "LIF), .yaml (ROS map) or "
                    ".building.yaml (Open-RMF), .scen, .map or .pogema (cells)"};
 }
 

@@ -39,8 +39,8 @@ struct Spawnable {
 Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides = {});
 
 // A world with only the model to be spawned. `world`: where its models are defined. `source`: a name as above, a file
-// (.world, .inc, .json, .sdf, .urdf) that has one model with its parts, or "FILE#NAME": a model that this file defines. Robots have
-// the controller that they would have in the world file.
+// (.world, .inc, .json, .sdf, .urdf) that has one model with its parts, or "FILE#NAME": a model that this file defines.
+// Robots have the controller that they would have in the world file.
 Result<LoadedWorld> LoadSpawnable(const WorldSource& world, const std::string& source,
                                   const LoadOverrides& overrides = {});
 

@@ -98,7 +98,8 @@ Status CheckRobot(const WorldDescription& world, std::size_t index) {
     if (Status error = CheckSensor(world, robot, sensor); !error.ok()) return error;
   }
   for (const MountedFrame& frame : robot.frames) {
-    if (!IsInTree(world, frame.model, robot.root)) return BadInput("its frame '" + frame.name + "' is on no model of it");
+    if (!IsInTree(world, frame.model, robot.root))
+      return BadInput("its frame '" + frame.name + "' is on no model of it");
   }
   return Status();
 }

@@ -168,10 +168,9 @@ TransformStamped MakeTransform(const Time& stamp, const FixedFrame& frame, dds::
   const SinCosResult p = SinCos(0.5 * frame.pitch);
   const SinCosResult y = SinCos(0.5 * frame.X_PF.heading);
   // The product of the quaternions about z, y and x.
-  transform.transform.rotation = {r.sin * p.cos * y.cos - r.cos * p.sin * y.sin,
-                                  r.cos * p.sin * y.cos + r.sin * p.cos * y.sin,
-                                  r.cos * p.cos * y.sin - r.sin * p.sin * y.cos,
-                                  r.cos * p.cos * y.cos + r.sin * p.sin * y.sin};
+  transform.transform.rotation = {
+      r.sin * p.cos * y.cos - r.cos * p.sin * y.sin, r.cos * p.sin * y.cos + r.sin * p.cos * y.sin,
+      r.cos * p.cos * y.sin - r.sin * p.sin * y.cos, r.cos * p.cos * y.cos + r.sin * p.sin * y.sin};
   return transform;
 }
 

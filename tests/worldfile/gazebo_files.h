@@ -40,7 +40,8 @@ inline Extent ExtentOf(const WorldDescription& world, const std::string& name) {
     const Transform2 X_WM(model.X_PM);
     for (const Block& block : world.shape(model.shape).blocks) {
       for (const Vec2& corner : block.outline) extent.area.Extend(X_WM * corner);
-      extent.z = {std::min(extent.z.min, block.z.min + model.X_PM.z), std::max(extent.z.max, block.z.max + model.X_PM.z)};
+      extent.z = {std::min(extent.z.min, block.z.min + model.X_PM.z),
+                  std::max(extent.z.max, block.z.max + model.X_PM.z)};
       ++extent.blocks;
     }
   }

@@ -34,11 +34,11 @@ class GazeboWorlds : public testing::Test {
 };
 
 TEST_F(GazeboWorlds, UprightShapesAreExact) {
-  const LoadedWorld loaded = Load(SdfModelText("box", "1 2 0.5 0 0 0", SdfBox("2 1 1")) +
-                                  SdfModelText("turned", "5 0 0 0 0 1.5707963", SdfBox("2 1 1"), "0 0 0.5 0 0 0") +
-                                  SdfModelText("lying", "0 5 0.5 1.5707963 0 0", SdfBox("2 1 4")) +
-                                  SdfModelText("post", "-5 0 0.5 0 0 0",
-                                               "<cylinder><radius>0.5</radius><length>1</length></cylinder>"));
+  const LoadedWorld loaded =
+      Load(SdfModelText("box", "1 2 0.5 0 0 0", SdfBox("2 1 1")) +
+           SdfModelText("turned", "5 0 0 0 0 1.5707963", SdfBox("2 1 1"), "0 0 0.5 0 0 0") +
+           SdfModelText("lying", "0 5 0.5 1.5707963 0 0", SdfBox("2 1 4")) +
+           SdfModelText("post", "-5 0 0.5 0 0 0", "<cylinder><radius>0.5</radius><length>1</length></cylinder>"));
   EXPECT_THAT(loaded.warnings, IsEmpty());
   EXPECT_EQ(loaded.world.name, "w");
   ExpectExtent(ExtentOf(loaded.world, "box"), {0, 1.5, 2, 2.5}, {0, 1});
@@ -85,9 +85,10 @@ TEST_F(GazeboWorlds, BandsContainTheSolid) {
 }
 
 TEST_F(GazeboWorlds, PolylinesArePrisms) {
-  const LoadedWorld loaded = Load(SdfModelText("l", "0 0 0 0 0 0",
-                                               "<polyline><point>0 0</point><point>2 0</point><point>2 1</point><point>1 "
-                                               "1</point><point>1 3</point><point>0 3</point><height>0.7</height></polyline>"));
+  const LoadedWorld loaded =
+      Load(SdfModelText("l", "0 0 0 0 0 0",
+                        "<polyline><point>0 0</point><point>2 0</point><point>2 1</point><point>1 "
+                        "1</point><point>1 3</point><point>0 3</point><height>0.7</height></polyline>"));
   const Extent extent = ExtentOf(loaded.world, "l");
   ExpectExtent(extent, {0, 0, 2, 3}, {0, 0.7});
   EXPECT_EQ(loaded.world.shape(loaded.world.models[0].shape).blocks[0].outline.size(), 6U);
@@ -98,28 +99,32 @@ TEST_F(GazeboWorlds, FramesAreFollowed) {
       "<frame name=\"corner\"><pose>10 0 0 0 0 1.5707963267948966</pose></frame>\n"
       "<model name=\"a\"><static>1</static><pose relative_to=\"corner\">1 0 0 0 0 0</pose>\n"
       "<frame name=\"top\"><pose>0 0 1 0 0 0</pose></frame>\n"
-      "<link name=\"base\"><collision name=\"c\"><geometry>" + SdfBox("0.2 0.2 0.2") + "</geometry></collision></link>\n"
+      "<link name=\"base\"><collision name=\"c\"><geometry>" +
+      SdfBox("0.2 0.2 0.2") +
+      "</geometry></collision></link>\n"
       "<link name=\"arm\"><pose relative_to=\"top\">2 0 0 0 0 0</pose><collision name=\"c\"><geometry>" +
-      SdfBox("0.2 0.2 0.2") + "</geometry></collision></link></model>\n"
+      SdfBox("0.2 0.2 0.2") +
+      "</geometry></collision></link></model>\n"
       "<model name=\"b\" placement_frame=\"arm\"><static>1</static><pose relative_to=\"a::arm\">0 0 0 0 0 0</pose>\n"
-      "<link name=\"arm\"><pose>1 0 0 0 0 0</pose><collision name=\"c\"><geometry>" + SdfBox("0.2 0.2 0.2") +
-      "</geometry></collision></link></model>\n");
+      "<link name=\"arm\"><pose>1 0 0 0 0 0</pose><collision name=\"c\"><geometry>" +
+      SdfBox("0.2 0.2 0.2") + "</geometry></collision></link></model>\n");
   // a is at (10, 1), turned to the left; its arm 2 m ahead, 1 m up; b's link is there, too.
   ExpectExtent(ExtentOf(loaded.world, "a"), {9.9, 0.9, 10.1, 3.1}, {-0.1, 1.1});
   ExpectExtent(ExtentOf(loaded.world, "b"), {9.9, 2.9, 10.1, 3.1}, {0.9, 1.1});
 }
 
 TEST_F(GazeboWorlds, AStateReplacesPoses) {
-  const LoadedWorld loaded = Load(SdfModelText("a", "1 1 0.5 0 0 0", SdfBox("1 1 1")) +
-                                  "<state world_name=\"w\"><model name=\"a\"><pose>4 5 0.5 0 0 0</pose></model></state>");
+  const LoadedWorld loaded =
+      Load(SdfModelText("a", "1 1 0.5 0 0 0", SdfBox("1 1 1")) +
+           "<state world_name=\"w\"><model name=\"a\"><pose>4 5 0.5 0 0 0</pose></model></state>");
   ExpectExtent(ExtentOf(loaded.world, "a"), {3.5, 4.5, 4.5, 5.5}, {0, 1});
 }
 
 TEST_F(GazeboWorlds, IncludesAreFoundBesideTheWorldAndOnThePath) {
   folder_.Write("models/table/model.config",
                 "<model><sdf version=\"1.4\">old.sdf</sdf><sdf version=\"1.5\">new.sdf</sdf></model>");
-  folder_.Write("models/table/new.sdf", "<sdf version=\"1.5\">" + SdfModelText("table", "0 0 0 0 0 0", SdfBox("1 2 1")) +
-                                            "</sdf>");
+  folder_.Write("models/table/new.sdf",
+                "<sdf version=\"1.5\">" + SdfModelText("table", "0 0 0 0 0 0", SdfBox("1 2 1")) + "</sdf>");
   folder_.Write("elsewhere/chair/model.sdf",
                 "<sdf version=\"1.5\">" + SdfModelText("chair", "0 0 0 0 0 0", SdfBox("0.4 0.4 1")) + "</sdf>");
   const std::string content =
@@ -150,10 +155,14 @@ TEST_F(GazeboWorlds, NestedModelsArePartsOfTheModelAround) {
 TEST_F(GazeboWorlds, DynamicModelsAreObjectsAndVisualsAreSeenOnly) {
   const LoadedWorld loaded = Load(
       "<model name=\"crate\"><pose>3 0 0.25 0 0 0</pose><link name=\"link\"><inertial><mass>7</mass></inertial>"
-      "<collision name=\"c\"><geometry>" + SdfBox("0.5 0.5 0.5") + "</geometry></collision>"
-      "<visual name=\"v\"><geometry>" + SdfBox("0.5 0.5 0.5") +
+      "<collision name=\"c\"><geometry>" +
+      SdfBox("0.5 0.5 0.5") +
+      "</geometry></collision>"
+      "<visual name=\"v\"><geometry>" +
+      SdfBox("0.5 0.5 0.5") +
       "</geometry><material><diffuse>0 0 1 1</diffuse></material></visual></link></model>"
-      "<model name=\"sign\"><static>1</static><pose>6 0 0 0 0 0</pose><link name=\"link\"><visual name=\"v\"><geometry>" +
+      "<model name=\"sign\"><static>1</static><pose>6 0 0 0 0 0</pose><link name=\"link\"><visual "
+      "name=\"v\"><geometry>" +
       SdfBox("1 1 1") + "</geometry></visual></link></model>");
   ASSERT_THAT(loaded.world.objects, SizeIs(1));
   const ModelDescription& crate = loaded.world.model(loaded.world.objects[0]);
@@ -166,7 +175,8 @@ TEST_F(GazeboWorlds, DynamicModelsAreObjectsAndVisualsAreSeenOnly) {
 }
 
 TEST_F(GazeboWorlds, AWorldFileIsToldFromStagesByItsContent) {
-  folder_.Write("gazebo.world", "<!-- classic -->\n" + SdfWorldText(SdfModelText("a", "0 0 0.5 0 0 0", SdfBox("1 1 1"))));
+  folder_.Write("gazebo.world",
+                "<!-- classic -->\n" + SdfWorldText(SdfModelText("a", "0 0 0.5 0 0 0", SdfBox("1 1 1"))));
   EXPECT_THAT(folder_.Load("gazebo.world").world.models, SizeIs(1));
   EXPECT_THAT(folder_.LoadText("model( ) model( )").world.models, SizeIs(2));
 }
@@ -182,11 +192,12 @@ const BadSdf kBadSdfs[] = {
     {"<model name=\"a\"><pose>1 2 3</pose></model>", "w.sdf:4:23: error: found 3 numbers in 'pose', expected 6"},
     {"<model name=\"a\"><pose>1e9 0 0 0 0 0</pose></model>",
      "w.sdf:4:23: error: found '1e9' in 'pose', expected a number up to 1000000"},
-    {"<model><link name=\"b\"/></model>", "w.sdf:4:1: error: found a model without a name, expected the attribute 'name'"},
+    {"<model><link name=\"b\"/></model>",
+     "w.sdf:4:1: error: found a model without a name, expected the attribute 'name'"},
     {SdfModelText("a", "0 0 0 0 0 0", SdfBox("1 -1 1")),
-     "w.sdf:4:132: error: found a 'box' of 1 x -1 x 1, expected lengths above 0"},
+     "w.sdf:4:134: error: found a 'box' of 1 x -1 x 1, expected lengths above 0"},
     {SdfModelText("a", "0 0 0 0 0 0", "<sphere><radius>0</radius></sphere>"),
-     "w.sdf:4:148: error: found a 'radius' of 0, expected more than 0"},
+     "w.sdf:4:150: error: found a 'radius' of 0, expected more than 0"},
     {"<model name=\"a\"><pose relative_to=\"b\">0 0 0 0 0 0</pose></model>",
      "w.sdf:4:1: error: found the frame 'b', expected a link, joint, model or frame beside it"},
     {"<frame name=\"f\"><pose relative_to=\"g\">0 0 0 0 0 0</pose></frame>\n"
@@ -194,7 +205,7 @@ const BadSdf kBadSdfs[] = {
      "<model name=\"a\"><pose relative_to=\"g\">0 0 0 0 0 0</pose></model>",
      "w.sdf:5:1: error: found the frame 'g' relative to itself, expected no cycle"},
     {"<include>\n<uri>file://loop.sdf</uri></include>",
-     "loop.sdf:1:38: error: found an include of 'file://loop.sdf' inside itself, expected no include loop"},
+     "loop.sdf:1:36: error: found an include of 'file://loop.sdf' inside itself, expected no include loop"},
     {"<include><uri>https://fuel.example/table</uri></include>",
      "w.sdf:4:15: error: found 'https://fuel.example/table', which is on a server, expected a model of this machine: "
      "one that Gazebo has downloaded, or a folder of its name on --model-path"},
@@ -220,18 +231,19 @@ TEST_F(GazeboWorlds, RefusesWhatHasNoMeaning) {
 TEST_F(GazeboWorlds, IncludesThatDoubleAreAnError) {
   for (int i = 0; i < 40; ++i) {
     const std::string next = "<include><uri>file://" + std::to_string(i + 1) + ".sdf</uri><name>";
-    folder_.Write(std::to_string(i) + ".sdf", "<sdf><model name=\"m\">" + next + "a</name></include>" + next +
-                                                  "b</name></include></model></sdf>");
+    folder_.Write(std::to_string(i) + ".sdf",
+                  "<sdf><model name=\"m\">" + next + "a</name></include>" + next + "b</name></include></model></sdf>");
   }
   folder_.Write("40.sdf", "<sdf><model name=\"m\"><link name=\"l\"/></model></sdf>");
-  EXPECT_THAT(ErrorOf("<include><uri>file://0.sdf</uri></include>"), HasSubstr("found more than 100000 models"));
+  EXPECT_THAT(ErrorOf("<include><uri>file://0.sdf</uri></include>"), HasSubstr("found more than 20000 models"));
 }
 
 TEST_F(GazeboWorlds, AScenarioAddsRobotsToAWorldOfSdfAndSpawnsItsModels) {
   folder_.Write("w.sdf", SdfWorldText(SdfModelText("wall", "2 0 0.5 0 0 0", SdfBox("0.2 4 1"))));
-  folder_.Write("crate.sdf", "<sdf version=\"1.9\"><model name=\"crate\"><link name=\"l\"><pose>0 0 0.1 0 0 0</pose>"
-                             "<collision name=\"c\"><geometry>" + SdfBox("0.2 0.2 0.2") +
-                             "</geometry></collision></link></model></sdf>");
+  folder_.Write("crate.sdf",
+                "<sdf version=\"1.9\"><model name=\"crate\"><link name=\"l\"><pose>0 0 0.1 0 0 0</pose>"
+                "<collision name=\"c\"><geometry>" +
+                    SdfBox("0.2 0.2 0.2") + "</geometry></collision></link></model></sdf>");
   folder_.Write("s.json", R"({"world": "w.sdf", "models": [{"model": "crate.sdf", "pose": [-1, 1, 0]}],
     "robots": [{"model": "position", "name": "r", "properties": {"size": [0.4, 0.4, 0.3]}, "children": [
       {"model": "ranger", "children": [{"model": "sensor", "properties": {"range": [0, 8]}}]}],
@@ -242,10 +254,11 @@ TEST_F(GazeboWorlds, AScenarioAddsRobotsToAWorldOfSdfAndSpawnsItsModels) {
 }
 
 TEST_F(GazeboWorlds, ModelsOfStageWorldsMayBeFiles) {
-  folder_.Write("crate.sdf", "<sdf version=\"1.9\">" + SdfModelText("crate", "9 9 9 0 0 0", SdfBox("0.2 0.2 0.2")) + "</sdf>");
-  const LoadedWorld loaded =
-      folder_.LoadText("define crate model( model_file \"crate.sdf\" )\ncrate( name \"a\" pose [1 0 0 0] color \"blue\" )\n"
-                       "model( name \"b\" model_file \"crate.sdf\" pose [2 0 0 0] )\n");
+  folder_.Write("crate.sdf",
+                "<sdf version=\"1.9\">" + SdfModelText("crate", "9 9 9 0 0 0", SdfBox("0.2 0.2 0.2")) + "</sdf>");
+  const LoadedWorld loaded = folder_.LoadText(
+      "define crate model( model_file \"crate.sdf\" )\ncrate( name \"a\" pose [1 0 0 0] color \"blue\" )\n"
+      "model( name \"b\" model_file \"crate.sdf\" pose [2 0 0 0] )\n");
   EXPECT_THAT(loaded.warnings, IsEmpty());
   ExpectExtent(ExtentOf(loaded.world, "a"), {0.9, -0.1, 1.1, 0.1}, {-0.1, 0.1});
   ExpectExtent(ExtentOf(loaded.world, "b"), {1.9, -0.1, 2.1, 0.1}, {-0.1, 0.1});

@@ -21,11 +21,21 @@ struct BoxMesh {
 void AddBox(const std::array<double, 3>& low, const std::array<double, 3>& high, BoxMesh& mesh) {
   const int first = static_cast<int>(mesh.points.size());
   for (int i = 0; i < 8; ++i) {
-    mesh.points.push_back({(i & 1) != 0 ? high[0] : low[0], (i & 2) != 0 ? high[1] : low[1],
-                           (i & 4) != 0 ? high[2] : low[2]});
+    mesh.points.push_back(
+        {(i & 1) != 0 ? high[0] : low[0], (i & 2) != 0 ? high[1] : low[1], (i & 4) != 0 ? high[2] : low[2]});
   }
-  for (const auto& t : std::vector<std::array<int, 3>>{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}) {
+  for (const auto& t : std::vector<std::array<int, 3>>{{0, 2, 1},
+                                                       {1, 2, 3},
+                                                       {4, 5, 6},
+                                                       {5, 7, 6},
+                                                       {0, 1, 4},
+                                                       {1, 5, 4},
+                                                       {2, 6, 3},
+                                                       {3, 6, 7},
+                                                       {0, 4, 2},
+                                                       {2, 4, 6},
+                                                       {1, 3, 5},
+                                                       {3, 7, 5}}) {
     mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   }
 }
@@ -78,7 +88,8 @@ const char* const kCollada = R"(<COLLADA><asset><unit meter="0.01"/><up_axis>Y_U
 class Meshes : public testing::Test {
  protected:
   LoadedWorld Load(const std::string& file, const std::string& more = "") {
-    folder_.Write("w.sdf", SdfWorldText(SdfModelText("m", "0 0 0 0 0 0", "<mesh><uri>" + file + "</uri>" + more + "</mesh>")));
+    folder_.Write("w.sdf",
+                  SdfWorldText(SdfModelText("m", "0 0 0 0 0 0", "<mesh><uri>" + file + "</uri>" + more + "</mesh>")));
     return folder_.Load("w.sdf");
   }
 
@@ -135,7 +146,8 @@ TEST_F(Meshes, ARoomOfOnePieceIsFreeInside) {
   const std::vector<Block>& blocks = loaded.world.shape(loaded.world.models[0].shape).blocks;
   EXPECT_LT(blocks.size(), 10U);
   const auto is_inside = [&](const Vec2& p) {
-    return std::any_of(blocks.begin(), blocks.end(), [&](const Block& block) { return troupe::Contains(block.outline, p); });
+    return std::any_of(blocks.begin(), blocks.end(),
+                       [&](const Block& block) { return troupe::Contains(block.outline, p); });
   };
   EXPECT_FALSE(is_inside({0, 0}));
   EXPECT_FALSE(is_inside({1.77, 0}));

@@ -16,8 +16,8 @@ using testing::SizeIs;
 
 std::string UrdfLink(const std::string& name, const std::string& geometry, const std::string& origin = "0 0 0",
                      const std::string& rpy = "0 0 0") {
-  return "<link name=\"" + name + "\"><collision><origin xyz=\"" + origin + "\" rpy=\"" + rpy + "\"/><geometry>" + geometry +
-         "</geometry></collision></link>\n";
+  return "<link name=\"" + name + "\"><collision><origin xyz=\"" + origin + "\" rpy=\"" + rpy + "\"/><geometry>" +
+         geometry + "</geometry></collision></link>\n";
 }
 
 std::string UrdfJoint(const std::string& name, const std::string& type, const std::string& parent,
@@ -33,8 +33,10 @@ const std::string kRover =
     UrdfJoint("base_joint", "fixed", "base_footprint", "base_link", "0 0 0.05") +
     UrdfLink("left", "<cylinder radius=\"0.08\" length=\"0.04\"/>", "0 0 0", "1.57 0 0") +
     UrdfLink("right", "<cylinder radius=\"0.08\" length=\"0.04\"/>", "0 0 0", "1.57 0 0") +
-    UrdfJoint("left_joint", "continuous", "base_link", "left", "0 0.17 0.03", "<axis xyz=\"0 1 0\"/><limit velocity=\"10\" effort=\"1\"/>") +
-    UrdfJoint("right_joint", "continuous", "base_link", "right", "0 -0.17 0.03", "<axis xyz=\"0 1 0\"/><limit velocity=\"10\" effort=\"1\"/>") +
+    UrdfJoint("left_joint", "continuous", "base_link", "left", "0 0.17 0.03",
+              "<axis xyz=\"0 1 0\"/><limit velocity=\"10\" effort=\"1\"/>") +
+    UrdfJoint("right_joint", "continuous", "base_link", "right", "0 -0.17 0.03",
+              "<axis xyz=\"0 1 0\"/><limit velocity=\"10\" effort=\"1\"/>") +
     UrdfLink("caster", "<sphere radius=\"0.02\"/>") +
     UrdfJoint("caster_joint", "fixed", "base_link", "caster", "-0.15 0 -0.03") +
     "<link name=\"laser\"/><link name=\"eye\"/><link name=\"eye_optical\"/>\n" +
@@ -42,8 +44,10 @@ const std::string kRover =
     UrdfJoint("eye_joint", "fixed", "base_link", "eye", "0.2 0 0.1") +
     "<joint name=\"optical\" type=\"fixed\"><parent link=\"eye\"/><child link=\"eye_optical\"/>"
     "<origin rpy=\"-1.5707963 0 -1.5707963\"/></joint>"
-    "<gazebo reference=\"laser\"><sensor name=\"lidar\" type=\"gpu_lidar\"><topic>scan</topic><update_rate>10</update_rate>"
-    "<ray><scan><horizontal><samples>360</samples><min_angle>0</min_angle><max_angle>6.28</max_angle></horizontal></scan>"
+    "<gazebo reference=\"laser\"><sensor name=\"lidar\" "
+    "type=\"gpu_lidar\"><topic>scan</topic><update_rate>10</update_rate>"
+    "<ray><scan><horizontal><samples>360</samples><min_angle>0</min_angle><max_angle>6.28</max_angle></horizontal></"
+    "scan>"
     "<range><min>0.1</min><max>12</max></range><noise><stddev>0.01</stddev></noise></ray></sensor></gazebo>"
     "<gazebo reference=\"eye\"><sensor name=\"cam\" type=\"depth\"><topic>front/image_raw</topic><camera>"
     "<horizontal_fov>1.0</horizontal_fov><image><width>64</width><height>48</height></image>"
@@ -70,18 +74,19 @@ TEST_F(UrdfRobots, HasItsSizeDriveAndSensors) {
   ASSERT_THAT(loaded.world.robots, SizeIs(1));
   const RobotDescription& robot = loaded.world.robots[0];
   EXPECT_EQ(robot.name, "rover");
-  ExpectExtent(ExtentOf(loaded.world, "rover"), {-0.2, -0.19, 0.2, 0.19}, {0, 0.15}, 0.002);
+  ExpectExtent(ExtentOf(loaded.world, "rover"), {-0.2, -0.19, 0.2, 0.19}, {0, 0.16}, 0.002);
   EXPECT_EQ(robot.drive.type, DriveType::kDifferential);
   EXPECT_NEAR(robot.drive.velocity.x.max, 0.8, 0.01);  // 10 rad/s of wheels of 0.08 m
   ASSERT_THAT(robot.sensors, SizeIs(3));
-  EXPECT_EQ(robot.sensors[0].name, "scan");
-  EXPECT_EQ(robot.sensors[0].frame, "laser");
-  const auto& ranger = std::get<RangerParameters>(robot.sensors[0].parameters);
+  // In the order of the links.
+  EXPECT_EQ(robot.sensors[0].name, "imu");
+  EXPECT_EQ(robot.sensors[1].name, "scan");
+  EXPECT_EQ(robot.sensors[1].frame, "laser");
+  const auto& ranger = std::get<RangerParameters>(robot.sensors[1].parameters);
   EXPECT_EQ((*ranger.ray_sensors)[0].samples, 360U);
   EXPECT_NEAR((*ranger.ray_sensors)[0].noise_variance, 1e-4, 1e-12);
-  EXPECT_EQ(robot.sensors[1].name, "front");
-  EXPECT_EQ(std::get<CameraParameters>(robot.sensors[1].parameters).width, 64U);
-  EXPECT_EQ(robot.sensors[2].name, "imu");
+  EXPECT_EQ(robot.sensors[2].name, "front");
+  EXPECT_EQ(std::get<CameraParameters>(robot.sensors[2].parameters).width, 64U);
   ASSERT_THAT(loaded.warnings, SizeIs(1));
   EXPECT_THAT(loaded.warnings[0].message, HasSubstr("a sensor of type 'navsat' is left out"));
 }
@@ -90,7 +95,8 @@ TEST_F(UrdfRobots, KeepsTheFramesOfItsLinks) {
   const RobotDescription robot = Load(kRover).world.robots[0];
   std::vector<std::string> names;
   for (const MountedFrame& frame : robot.frames) names.push_back(frame.name);
-  EXPECT_THAT(names, ElementsAre("base_footprint", "base_link", "left", "right", "caster", "laser", "eye", "eye_optical"));
+  EXPECT_THAT(names,
+              ElementsAre("base_footprint", "base_link", "left", "right", "caster", "laser", "eye", "eye_optical"));
   EXPECT_EQ(robot.frames[0].X_MF, Pose());
   EXPECT_NEAR(robot.frames[1].X_MF.z, 0.05, 1e-9);
   EXPECT_NEAR(robot.frames[5].X_MF.x, 0.1, 1e-9);
@@ -101,7 +107,8 @@ TEST_F(UrdfRobots, KeepsTheFramesOfItsLinks) {
 
 // Of a robot whose root is not on the floor, the base is below it.
 TEST_F(UrdfRobots, StandsOnItsLowestCollision) {
-  const LoadedWorld loaded = Load("<robot name=\"r\">" + UrdfLink("base_link", "<box size=\"0.4 0.4 0.2\"/>") + "</robot>");
+  const LoadedWorld loaded =
+      Load("<robot name=\"r\">" + UrdfLink("base_link", "<box size=\"0.4 0.4 0.2\"/>") + "</robot>");
   ExpectExtent(ExtentOf(loaded.world, "r"), {-0.2, -0.2, 0.2, 0.2}, {0, 0.2});
   const RobotDescription& robot = loaded.world.robots[0];
   EXPECT_EQ(robot.frames[0].name, "base_footprint");
@@ -178,7 +185,7 @@ const BadUrdf kBadUrdfs[] = {
     {"<robot><link name=\"a\"/>\n<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/></joint></robot>",
      "r.urdf:2:1: error: found a joint without a 'child', expected the name of a link"},
     {"<robot>" + UrdfLink("a", "<box size=\"1 x 1\"/>") + "</robot>",
-     "r.urdf:1:89: error: found 'x' in 'size', expected a number"},
+     "r.urdf:1:82: error: found 'x' in 'size', expected a number"},
     {"<robot>" + UrdfLink("a", "<mesh filename=\"package://robot/a.stl\"/>") + "</robot>", "found no file for"},
 };
 
@@ -188,20 +195,24 @@ TEST_F(UrdfRobots, RefusesWhatIsNoRobot) {
 
 // A robot of macros: arguments, properties, a macro with a block, a condition and an include.
 const std::string kMacros =
-    "<robot name=\"$(arg name)\"><xacro:arg name=\"name\" default=\"mac\"/><xacro:arg name=\"laser\" default=\"true\"/>\n"
+    "<robot name=\"$(arg name)\"><xacro:arg name=\"name\" default=\"mac\"/><xacro:arg name=\"laser\" "
+    "default=\"true\"/>\n"
     "<xacro:include filename=\"parts.xacro\"/><xacro:property name=\"wide\" value=\"${2 * reach}\"/>\n"
     "<xacro:property name=\"reach\" value=\"0.17\"/>\n"
     "<link name=\"base\"><collision><geometry><box size=\"0.4 ${wide - 0.04} 0.1\"/></geometry></collision></link>\n"
     "<xacro:wheel name=\"left\" side=\"1\"><origin xyz=\"0 ${reach} 0\"/></xacro:wheel>\n"
     "<xacro:wheel name=\"right\" side=\"-1\" radius=\"${0.04 + 0.04}\"><origin xyz=\"0 ${-reach} 0\"/></xacro:wheel>\n"
-    "<xacro:if value=\"${'$(arg laser)' == 'true'}\"><link name=\"laser\"/><joint name=\"l\" type=\"fixed\"><parent link=\"base\"/>"
+    "<xacro:if value=\"${'$(arg laser)' == 'true'}\"><link name=\"laser\"/><joint name=\"l\" type=\"fixed\"><parent "
+    "link=\"base\"/>"
     "<child link=\"laser\"/><origin xyz=\"${sin(radians(30))} 0 ${0.1 if wide > 0.3 else 0}\"/></joint></xacro:if>\n"
     "<xacro:unless value=\"${reach == 0.17}\"><link name=\"none\"/></xacro:unless></robot>";
 const std::string kParts =
     "<robot><xacro:macro name=\"wheel\" params=\"name side radius:=0.08 *origin\">\n"
-    "<link name=\"${name}\"><collision><origin rpy=\"${pi/2} 0 0\"/><geometry><cylinder radius=\"${radius}\" length=\"0.04\"/>"
+    "<link name=\"${name}\"><collision><origin rpy=\"${pi/2} 0 0\"/><geometry><cylinder radius=\"${radius}\" "
+    "length=\"0.04\"/>"
     "</geometry></collision></link>\n<joint name=\"${name}_joint\" type=\"continuous\"><parent link=\"base\"/>"
-    "<child link=\"${name}\"/><xacro:insert_block name=\"origin\"/><axis xyz=\"0 ${side} 0\"/></joint></xacro:macro></robot>";
+    "<child link=\"${name}\"/><xacro:insert_block name=\"origin\"/><axis xyz=\"0 ${side} "
+    "0\"/></joint></xacro:macro></robot>";
 
 TEST_F(UrdfRobots, MacrosAreAppliedWithoutTheProgram) {
   folder_.Write("parts.xacro", kParts);
@@ -223,7 +234,8 @@ TEST_F(UrdfRobots, MacrosAreAppliedWithoutTheProgram) {
            {"<link name=\"${1 / 0}\"/>", "r.xacro:2:1: error: found a division by 0 in ${1 / 0}"},
            {"<link name=\"${a.b}\"/>", "found the name 'a.b', expected a property or an argument"},
            {"<link name=\"${load_yaml('x')}\"/>", "found a call of 'load_yaml', which only the program 'xacro' knows"},
-           {"<xacro:property name=\"a\" value=\"${b}\"/><xacro:property name=\"b\" value=\"${a}\"/><link name=\"${a}\"/>",
+           {"<xacro:property name=\"a\" value=\"${b}\"/><xacro:property name=\"b\" value=\"${a}\"/><link "
+            "name=\"${a}\"/>",
             "found properties that refer to each other"},
            {"<xacro:macro name=\"m\" params=\"\"><xacro:m/></xacro:macro><xacro:m/>",
             "found macros or includes too deep inside each other"},
@@ -271,7 +283,8 @@ TEST_F(UrdfRobots, OptionsAndScenariosAddThem) {
   ASSERT_THAT(added.world.robots, SizeIs(2));
   EXPECT_EQ(added.world.robots[1].name, "rover:2");
   EXPECT_NEAR(added.world.model(added.world.robots[1].root).X_PM.x, -2.0, 1e-12);
-  folder_.Write("s.json", R"({"world": "w.sdf", "robots": [{"model": "robots/rover.urdf", "name": "a", "pose": [-1, 0, 0]}],
+  folder_.Write("s.json",
+                R"({"world": "w.sdf", "robots": [{"model": "robots/rover.urdf", "name": "a", "pose": [-1, 0, 0]}],
     "spawn": [{"model": "robots/rover.urdf", "count": 3, "region": [-9, -9, -3, 9], "spacing": 1}]})");
   const LoadedWorld loaded = folder_.Load("s.json", overrides);
   std::vector<std::string> names;
@@ -286,13 +299,14 @@ TEST_F(UrdfRobots, OptionsAndScenariosAddThem) {
 TEST_F(UrdfRobots, DriveInAWorldOfSdfAndMeasureIt) {
   folder_.Write("rover.urdf", kRover);
   folder_.Write("w.sdf", SdfWorldText(SdfModelText("wall", "2 0 0.5 0 0 0", SdfBox("0.2 4 1"))));
-  const std::string scenario = folder_.Write("s.json", R"({"world": "w.sdf", "robots": [{"model": "rover.urdf", "name": "a"}]})");
+  const std::string scenario =
+      folder_.Write("s.json", R"({"world": "w.sdf", "robots": [{"model": "rover.urdf", "name": "a"}]})");
   Result<Simulation> made = Simulation::Load(scenario);
   ASSERT_TRUE(made.ok()) << made.error().ToString();
   Simulation& simulation = made.value();
   const RobotId robot = *simulation.FindRobot("a");
   // The lidar is 0.1 m ahead, the wall's face at 1.9 m. The middle ray of 360 is half a step beside the axis.
-  const auto reading = simulation.Measure(robot, 0);
+  const auto reading = simulation.Measure(robot, 1);
   const RangerReading* const ranges = reading.As<RangerReading>();
   ASSERT_NE(ranges, nullptr);
   EXPECT_NEAR(ranges->scan(0).ranges[180], 1.8, 0.05);

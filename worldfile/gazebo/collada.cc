@@ -131,8 +131,8 @@ class ColladaReader {
       const double length = Length({v[0], v[1], v[2]});
       if (!(length > 0.0)) return Transform3();
       const SinCosResult half = SinCos(0.5 * DegreesToRadians(v[3]));
-      return Transform3::FromQuaternion({}, v[0] / length * half.sin, v[1] / length * half.sin, v[2] / length * half.sin,
-                                        half.cos);
+      return Transform3::FromQuaternion({}, v[0] / length * half.sin, v[1] / length * half.sin,
+                                        v[2] / length * half.sin, half.cos);
     }
     return Transform3::FromRows({Vec3{v[0], 0, 0}, Vec3{0, v[1], 0}, Vec3{0, 0, v[2]}}, {});
   }
@@ -213,9 +213,8 @@ class ColladaReader {
         if (input.name != "input") continue;
         const std::string* const text = input.FindAttribute("offset");
         const std::optional<LeadingNumber> number = text != nullptr ? ReadLeadingNumber(*text) : std::nullopt;
-        const std::size_t own = number && number->value >= 0.0 && number->value < 64.0
-                                    ? static_cast<std::size_t>(number->value)
-                                    : 0;
+        const std::size_t own =
+            number && number->value >= 0.0 && number->value < 64.0 ? static_cast<std::size_t>(number->value) : 0;
         stride = std::max(stride, own + 1);
         const std::string* const semantic = input.FindAttribute("semantic");
         if (semantic == nullptr || *semantic != "VERTEX") continue;

@@ -17,10 +17,10 @@ struct PluginWord {
   const char* drive;
 };
 constexpr PluginWord kDrivePlugins[] = {
-    {"ackermann", "car"},     {"mecanum", "omni"},        {"planar_move", "omni"},    {"planarmove", "omni"},
-    {"planar-move", "omni"},  {"omni_drive", "omni"},     {"velocity-control", "omni"}, {"velocitycontrol", "omni"},
-    {"diff-drive", "diff"},   {"diffdrive", "diff"},      {"diff_drive", "diff"},     {"differential", "diff"},
-    {"skid_steer", "diff"},   {"skid-steer", "diff"},     {"skidsteer", "diff"},      {"tricycle", "car"},
+    {"ackermann", "car"},     {"mecanum", "omni"},    {"planar_move", "omni"},      {"planarmove", "omni"},
+    {"planar-move", "omni"},  {"omni_drive", "omni"}, {"velocity-control", "omni"}, {"velocitycontrol", "omni"},
+    {"diff-drive", "diff"},   {"diffdrive", "diff"},  {"diff_drive", "diff"},       {"differential", "diff"},
+    {"skid_steer", "diff"},   {"skid-steer", "diff"}, {"skidsteer", "diff"},        {"tricycle", "car"},
     {"create_drive", "diff"}, {"kobuki", "diff"},
 };
 

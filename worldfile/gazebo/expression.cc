@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -38,7 +39,8 @@ class ExpressionParser {
   Result<ExpressionValue> Parse() {
     ExpressionValue value = Choice();
     SkipBlanks();
-    if (!error_ && at_ < text_.size()) Fail("found " + Quoted(text_.substr(at_)) + ", expected the end of the expression");
+    if (!error_ && at_ < text_.size())
+      Fail("found " + Quoted(text_.substr(at_)) + ", expected the end of the expression");
     if (error_) return *error_;
     return value;
   }
@@ -49,7 +51,8 @@ class ExpressionParser {
   }
 
   void SkipBlanks() {
-    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r')) ++at_;
+    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r'))
+      ++at_;
   }
 
   bool Take(std::string_view sign) {
@@ -122,7 +125,12 @@ class ExpressionParser {
         order = NumberIn(value) < NumberIn(other) ? -1 : NumberIn(value) > NumberIn(other) ? 1 : 0;
       }
       const std::string_view s = sign;
-      return s == "==" ? order == 0 : s == "!=" ? order != 0 : s == "<=" ? order <= 0 : s == ">=" ? order >= 0 : s == "<" ? order < 0 : order > 0;
+      return s == "=="   ? order == 0
+             : s == "!=" ? order != 0
+             : s == "<=" ? order <= 0
+             : s == ">=" ? order >= 0
+             : s == "<"  ? order < 0
+                         : order > 0;
     }
     return value;
   }
@@ -271,7 +279,11 @@ class ExpressionParser {
       const ExpressionValue& a = arguments[0];
       const auto* const text = std::get_if<std::string>(&a);
       if ((name == "float" || name == "int") && text != nullptr) arguments[0] = ValueOfText(*text);
-      const double x = number(0);
+      constexpr std::string_view kFunctions[] = {"sin",  "cos",     "tan",     "asin", "acos", "atan",
+                                                 "sqrt", "radians", "degrees", "abs",  "fabs", "float",
+                                                 "int",  "round",   "floor",   "ceil", "bool"};
+      const bool is_known = std::find(std::begin(kFunctions), std::end(kFunctions), name) != std::end(kFunctions);
+      const double x = is_known ? number(0) : 0.0;
       const SinCosResult angle = SinCos(std::fabs(x) < 1e5 ? x : 0.0);
       if (name == "sin") return angle.sin;
       if (name == "cos") return angle.cos;
@@ -293,7 +305,8 @@ class ExpressionParser {
     if (arguments.size() == 2 && name == "atan2") return Atan2(number(0), number(1));
     if (arguments.size() >= 2 && (name == "min" || name == "max")) {
       double best = number(0);
-      for (std::size_t i = 1; i < arguments.size(); ++i) best = name == "min" ? std::min(best, number(i)) : std::max(best, number(i));
+      for (std::size_t i = 1; i < arguments.size(); ++i)
+        best = name == "min" ? std::min(best, number(i)) : std::max(best, number(i));
       return best;
     }
     Fail("found a call of " + Quoted(name) + ", which only the program 'xacro' knows,");

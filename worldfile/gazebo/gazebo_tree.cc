@@ -158,6 +158,12 @@ bool IsModelFile(std::string_view name) {
   return name.ends_with(".urdf") || name.ends_with(".xacro") || name.ends_with(".sdf");
 }
 
+std::string NameOfModelFile(std::string_view path) {
+  const std::filesystem::path file(path);
+  const std::string name = file.stem().stem().string();
+  return name == "model" && file.has_parent_path() ? file.parent_path().filename().string() : name;
+}
+
 bool IsGazeboPath(const std::string& path, const AllowedPaths& allowed) {
   if (IsModelFile(path)) return true;
   if (!path.ends_with(".world")) return false;
@@ -199,7 +205,8 @@ Status DefineModelFile(const std::string& name, const std::string& path, const S
   if (!read.ok()) return read.error();
   WorldNode& node = read.value();
   std::erase_if(node.properties, [](const Property& each) { return each.name == "name" || each.name == "pose"; });
-  tree.defines.emplace(name, Define{node.type, std::move(node.properties), std::move(node.children), where, node.draft});
+  tree.defines.emplace(name,
+                       Define{node.type, std::move(node.properties), std::move(node.children), where, node.draft});
   return Status();
 }
 
@@ -223,7 +230,8 @@ Status AddRobots(const std::vector<std::string>& robots, const AllowedPaths& all
     std::vector<double> place = {0, 0, 0};
     if (at != std::string::npos) {
       const std::optional<std::vector<double>> parsed = ParsePlace(text.substr(at + 1));
-      if (!parsed) return Error{where, "found the place " + Quoted(text.substr(at + 1)) + ", expected X,Y or X,Y,HEADING"};
+      if (!parsed)
+        return Error{where, "found the place " + Quoted(text.substr(at + 1)) + ", expected X,Y or X,Y,HEADING"};
       place = *parsed;
     }
     if (Status status = DefineModelFile(path, path, where, allowed, tree); !status.ok()) return status;
@@ -234,7 +242,7 @@ Status AddRobots(const std::vector<std::string>& robots, const AllowedPaths& all
     if (maker.node.type != "position") {
       return Error{where, "found a model that does not drive in " + QuotedPath(path) + ", expected a robot"};
     }
-    maker.Text("name", names.Add(std::filesystem::path(path).stem().stem().string()));
+    maker.Text("name", names.Add(NameOfModelFile(path)));
     maker.Numbers("pose", {place[0], place[1], 0.0, place[2]});
     tree.world.children.Add(std::move(maker.node));
   }

@@ -1,8 +1,8 @@
 // Worlds, models and robots of Gazebo and ROS as trees: SDF (.sdf, and .world with XML), URDF (.urdf), xacro (.xacro).
 //
 // A file with a world becomes a tree as a Stage file does, so that scenarios change it like any other. A file with a
-// model becomes a define, under the name by which a scenario or an option refers to it; in a Stage world a model has the
-// property `model_file`.
+// model becomes a define, under the name by which a scenario or an option refers to it; in a Stage world a model has
+// the property `model_file`.
 #pragma once
 
 #include <string>
@@ -20,6 +20,9 @@ bool IsGazeboPath(const std::string& path, const AllowedPaths& allowed = Allowed
 
 // Whether a name in a scenario ends as that of a file with a model.
 bool IsModelFile(std::string_view name);
+
+// The name of such a file's model for its copies: the file's without its ending, or that of the folder of a model.sdf.
+std::string NameOfModelFile(std::string_view path);
 
 // The tree of a file with a world, or with models only.
 Result<WorldTree> ReadGazeboTree(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());

@@ -139,9 +139,10 @@ Result<TriangleMesh> ReadStl(std::string_view content, const std::string& path) 
   if (is_text && content.find('\0') == std::string_view::npos) return ReadTextStl(content, path);
   if (is_binary) return ReadBinaryStl(content, path);
   if (has_header) {
-    return Error{{path}, "found " + CountText(content.size(), "byte") + " for " +
-                             CountText(LittleEndian(content.data() + 80), "triangle") +
-                             ", expected an STL file: 84 bytes and 50 for each triangle, or a text"};
+    return Error{{path},
+                 "found " + CountText(content.size(), "byte") + " for " +
+                     CountText(LittleEndian(content.data() + 80), "triangle") +
+                     ", expected an STL file: 84 bytes and 50 for each triangle, or a text"};
   }
   return Error{{path}, "found " + CountText(content.size(), "byte") + ", expected an STL file"};
 }
@@ -174,8 +175,9 @@ Result<TriangleMesh> ReadObj(std::string_view content, const std::string& path) 
       for (std::string_view corner = words.Next(); !corner.empty(); corner = words.Next()) {
         const std::optional<std::uint32_t> index = ObjIndex(corner, mesh.points.size());
         if (!index) {
-          return Error{{path, words.number(), 1}, "found the corner " + Quoted(corner) + ", expected one of the " +
-                                                      CountText(mesh.points.size(), "point") + " so far"};
+          return Error{{path, words.number(), 1},
+                       "found the corner " + Quoted(corner) + ", expected one of the " +
+                           CountText(mesh.points.size(), "point") + " so far"};
         }
         corners.push_back(*index);
       }
@@ -205,7 +207,8 @@ TriangleMesh PartOf(const TriangleMesh& mesh, const std::string& name) {
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
     if (mesh.parts[i].name != name) continue;
     const std::size_t end = i + 1 < mesh.parts.size() ? mesh.parts[i + 1].first : mesh.triangles.size();
-    part.triangles.insert(part.triangles.end(), mesh.triangles.begin() + static_cast<std::ptrdiff_t>(mesh.parts[i].first),
+    part.triangles.insert(part.triangles.end(),
+                          mesh.triangles.begin() + static_cast<std::ptrdiff_t>(mesh.parts[i].first),
                           mesh.triangles.begin() + static_cast<std::ptrdiff_t>(end));
   }
   return part;

@@ -19,14 +19,14 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-constexpr double kWeld = 1e-5;             // m: corners nearer than this are one
-constexpr double kConvexTolerance = 2e-3;  // m, of a corner beyond the plane of a face
-constexpr double kCell = 0.02;             // m, of the grid
-constexpr int kMaxSide = 3000;             // cells
+constexpr double kWeld = 1e-5;                 // m: corners nearer than this are one
+constexpr double kConvexTolerance = 2e-3;      // m, of a corner beyond the plane of a face
+constexpr double kCell = 0.02;                 // m, of the grid
+constexpr int kMaxSide = 3000;                 // cells
 constexpr std::size_t kMaxRectangles = 6'000;  // of one mesh; with more the cells are larger
 constexpr std::size_t kMaxBands = 8;
-constexpr double kSameLevel = 0.02;  // m, between two heights that limit bands
-constexpr double kSliver = 2e-3;     // m: what reaches less far into a band is not in it
+constexpr double kSameLevel = 0.02;               // m, between two heights that limit bands
+constexpr double kSliver = 2e-3;                  // m: what reaches less far into a band is not in it
 constexpr std::size_t kMaxHullTriangles = 5'000;  // of a part that is cut into hulls, which costs a look at all of them
 constexpr std::size_t kMaxParts = 20'000;
 
@@ -190,8 +190,10 @@ class BandGrid {
       if (apart.empty() || level - apart.back() > kSameLevel) apart.push_back(level);
     }
     // The highest is the top, even if it is near the one below.
-    if (apart.size() > 1) apart.back() = std::max(apart.back(), heights.back());
-    else if (heights.back() - heights.front() > kSliver) apart.push_back(heights.back());
+    if (apart.size() > 1)
+      apart.back() = std::max(apart.back(), heights.back());
+    else if (heights.back() - heights.front() > kSliver)
+      apart.push_back(heights.back());
     return apart;
   }
 
@@ -349,8 +351,8 @@ SolidBlocks MeshBlocks(const TriangleMesh& mesh, SolidUse use) {
     const ZRange z = HeightsOf(welded.points, part);
     if (!(z.max - z.min > kSliver)) continue;  // a floor or a ceiling
     const bool is_solid = IsClosed(part) && VolumeOf(welded.points, part) > 0.0;
-    const bool is_hull = is_solid && parts.size() <= kMaxParts && part.size() <= kMaxHullTriangles &&
-                         IsConvex(welded.points, part);
+    const bool is_hull =
+        is_solid && parts.size() <= kMaxParts && part.size() <= kMaxHullTriangles && IsConvex(welded.points, part);
     if (is_hull) {
       Append(HullsInBands(welded.points, part, use), made);
     } else {

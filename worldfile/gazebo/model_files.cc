@@ -96,7 +96,8 @@ Result<std::string> ModelFiles::FindDownloaded(const std::string& uri, const std
     };
     const char* const home = std::getenv("HOME");
     for (const char* const folder : {".gz/fuel", ".ignition/fuel"}) {
-      const fs::path kept = fs::path(home != nullptr ? home : "/") / folder / parts[2] / lower(parts[4]) / "models" / lower(parts[6]);
+      const fs::path kept =
+          fs::path(home != nullptr ? home : "/") / folder / parts[2] / lower(parts[4]) / "models" / lower(parts[6]);
       int newest = -1;
       for (int version = 0; version < 100; ++version) {
         if (Exists((kept / std::to_string(version)).string())) newest = version;
@@ -108,9 +109,10 @@ Result<std::string> ModelFiles::FindDownloaded(const std::string& uri, const std
       if (Exists(candidate)) return candidate;
     }
   }
-  return Error{where, "found " + QuotedPath(uri) +
-                          ", which is on a server, expected a model of this machine: one that Gazebo has downloaded, or "
-                          "a folder of its name on --model-path"};
+  return Error{where,
+               "found " + QuotedPath(uri) +
+                   ", which is on a server, expected a model of this machine: one that Gazebo has downloaded, or "
+                   "a folder of its name on --model-path"};
 }
 
 Result<std::string> ModelFiles::FindModel(const std::string& uri, const std::string& naming_file,

@@ -2,8 +2,9 @@
 //
 // Search, for a URI with a name: the folders of GZ_SIM_RESOURCE_PATH (to which --model-path adds), of
 // IGN_GAZEBO_RESOURCE_PATH, GAZEBO_MODEL_PATH, GAZEBO_RESOURCE_PATH and ROS_PACKAGE_PATH (separated by colons), the
-// folder share of each of AMENT_PREFIX_PATH, then beside the naming file: its folder and the four above it, and the folder `models` in each.
-// Models of Fuel (https://) are those that Gazebo has downloaded, else a folder of their name. What is read is kept, so that a mesh of a hundred models is read once. The number and bytes of files are limited.
+// folder share of each of AMENT_PREFIX_PATH, then beside the naming file: its folder and the four above it, and the
+// folder `models` in each. Models of Fuel (https://) are those that Gazebo has downloaded, else a folder of their name.
+// What is read is kept, so that a mesh of a hundred models is read once. The number and bytes of files are limited.
 #pragma once
 
 #include <map>
@@ -26,7 +27,8 @@ class ModelFiles {
   // The file or folder that `uri` names in `naming_file`. The error, at `where`, lists where it was sought.
   Result<std::string> Find(const std::string& uri, const std::string& naming_file, const SourceLocation& where) const;
 
-  // The same, for a model: in a folder the SDF file that its model.config names, with the highest version, or model.sdf.
+  // The same, for a model: in a folder the SDF file that its model.config names, with the highest version, or
+  // model.sdf.
   Result<std::string> FindModel(const std::string& uri, const std::string& naming_file, const SourceLocation& where);
 
   // The root of an XML file. `where`: what names it.

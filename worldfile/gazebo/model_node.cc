@@ -27,7 +27,7 @@ struct Carrier {
   Transform3 T_MB;
   std::vector<Block> blocks;
   Rectangle area = Rectangle::Nothing();
-  double top = 0.0;
+  ZRange z;
 };
 
 bool IsUprightTransform(const Transform3& T) {
@@ -45,14 +45,14 @@ class NodeBuilder {
     // The root's frame is upright, below the origin of M; a tilt is in the blocks.
     const Vec3& p = model_.T_PM.translation();
     const Transform3 T_PB = Transform3::FromRpy(p, 0, 0, model_.T_PM.yaw());
-    carriers_.push_back({nullptr, 0, model_.T_PM.Inverse() * T_PB, {}, Rectangle::Nothing(), 0.0});
+    carriers_.push_back({nullptr, 0, model_.T_PM.Inverse() * T_PB, {}, Rectangle::Nothing(), {}});
     if (is_robot_) Settle();
     FindCarriers();
     for (const LinkPart& link : model_.links) AddBody(link);
     if (diagnostics_.failed()) return std::nullopt;
     WarnOfErrors();
-    const bool has_body = std::any_of(carriers_.begin(), carriers_.end(),
-                                      [](const Carrier& carrier) { return !carrier.blocks.empty(); });
+    const bool has_body =
+        std::any_of(carriers_.begin(), carriers_.end(), [](const Carrier& carrier) { return !carrier.blocks.empty(); });
     if (!has_body && !is_robot_) return std::nullopt;
     NodeMaker maker = MakerOf(0, is_robot_ ? "position" : "model");
     maker.Text("name", model_.name);
@@ -124,7 +124,7 @@ class NodeBuilder {
           // Upright, at the joint, with the heading of the root.
           const Transform3 T_BJ = carriers_[0].T_MB.Inverse() * (*joint)->T_MJ;
           const Transform3 at = Transform3::FromRpy(T_BJ.translation(), 0, 0, 0);
-          carriers_.push_back({*joint, carrier, carriers_[0].T_MB * at, {}, Rectangle::Nothing(), 0.0});
+          carriers_.push_back({*joint, carrier, carriers_[0].T_MB * at, {}, Rectangle::Nothing(), {}});
         }
         carrier = entry->second;
       }
@@ -160,7 +160,9 @@ class NodeBuilder {
       block_count_ += blocks.blocks.size();
       for (Block& block : blocks.blocks) {
         carrier.area.Extend(BoundingBox(block.outline));
-        carrier.top = std::max(carrier.top, block.z.max);
+        const bool is_first = carrier.blocks.empty();
+        carrier.z =
+            is_first ? block.z : ZRange{std::min(carrier.z.min, block.z.min), std::max(carrier.z.max, block.z.max)};
         carrier.blocks.push_back(std::move(block));
       }
     }
@@ -168,7 +170,7 @@ class NodeBuilder {
 
   void WarnOfErrors() {
     if (worst_ != nullptr && worst_error_ > kNotableError) {
-      const bool is_mesh = worst_->solid.kind == Solid::Kind::kMesh;
+      const bool is_mesh = worst_->solid.kind == SolidShape::Kind::kMesh;
       diagnostics_.Warn(worst_->where, "found " + std::string(is_mesh ? "a mesh" : "a shape that is not upright") +
                                            " in " + Quoted(model_.name) + ", which is shown by " +
                                            CountText(block_count_, "block") + ": at some heights it is up to " +
@@ -188,7 +190,7 @@ class NodeBuilder {
     if (carrier.area.empty()) {
       maker.Numbers("size", {0.1, 0.1, 0.1}).Number("noblocks", 1);
     } else {
-      maker.Numbers("size", {carrier.area.width(), carrier.area.height(), std::max(carrier.top, 1e-3)});
+      maker.Numbers("size", {carrier.area.width(), carrier.area.height(), carrier.z.max - carrier.z.min});
     }
     if (color_) {
       maker.Numbers("color_rgba", {color_->r, color_->g, color_->b, color_->a});
@@ -230,7 +232,7 @@ class NodeBuilder {
                             "found a sensor on a model without a drive; it measures nothing, and is left out");
           continue;
         }
-        const SensorMount mount{T_BM * link.T_ML * sensor.T_LS, link.name, &frames};
+        const SensorAttachment mount{T_BM * link.T_ML * sensor.T_LS, link.name, &frames};
         if (std::optional<WorldNode> node = SensorNode(sensor, mount, diagnostics_)) maker.Child(std::move(*node));
       }
     }
@@ -289,7 +291,7 @@ class NodeBuilder {
   bool has_collisions_ = false;
   double lowest_ = 0.0;  // m, of the collisions above the origin of M
   std::vector<Carrier> carriers_;
-  std::map<std::string, std::size_t> carrier_of_;  // by link
+  std::map<std::string, std::size_t> carrier_of_;   // by link
   std::vector<std::unique_ptr<BodyDraft>> drafts_;  // by carrier
   std::optional<Color> color_;
   double worst_error_ = 0.0;

@@ -1,8 +1,8 @@
 // From a RigidModel to a node of a world tree: a static model, a movable object, or a robot with its sensors.
 //
 // A model with `static` stands; one with a drive plugin, and every URDF, is a robot; others are objects, which may be
-// gripped and fall. Its collisions are its body; without any, its visuals are, seen by sensors and hit by nothing, as in
-// Gazebo. Joints are frozen at 0, but for prismatic ones of a robot, which become actuators. A robot stands on its
+// gripped and fall. Its collisions are its body; without any, its visuals are, seen by sensors and hit by nothing, as
+// in Gazebo. Joints are frozen at 0, but for prismatic ones of a robot, which become actuators. A robot stands on its
 // lowest collision: its origin is on the floor below the origin of its root link.
 #pragma once
 

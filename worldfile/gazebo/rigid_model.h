@@ -18,7 +18,7 @@
 namespace troupe {
 
 struct SolidPart {
-  Solid solid;
+  SolidShape solid;
   Transform3 T_LS;
   std::optional<Color> color;
   SourceLocation where;
@@ -66,8 +66,8 @@ struct PluginPart {
 struct RigidModel {
   std::string name;
   bool is_static = false;
-  Transform3 T_PM;          // in its parent: the world, or the model around it
-  std::string relative_to;  // the frame of T_PM; empty: the parent's
+  Transform3 T_PM;              // in its parent: the world, or the model around it
+  std::string relative_to;      // the frame of T_PM; empty: the parent's
   std::string placement_frame;  // that is at T_PM in place of M; empty: M
   std::vector<LinkPart> links;
   std::vector<JointPart> joints;

@@ -13,21 +13,61 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kMaxOpenIncludes = 50;
-constexpr std::size_t kMaxModels = 100'000;
+constexpr std::size_t kMaxModels = 20'000;
 constexpr std::size_t kMaxLinks = 200'000;
 
 // Elements that concern looks, physics engines or windows; what else is not read gets a warning.
 bool IsWithoutEffect(const std::string& name) {
-  static const std::set<std::string, std::less<>> known = {
-      "pose",           "static",         "self_collide",   "allow_auto_disable", "enable_wind",   "link",
-      "joint",          "model",          "include",        "frame",              "plugin",        "sensor",
-      "light",          "physics",        "scene",          "gui",                "gravity",       "magnetic_field",
-      "atmosphere",     "wind",           "spherical_coordinates", "state",       "audio",         "name",
-      "placement_frame", "kinematic",     "inertial",       "collision",          "visual",        "must_be_base_link",
-      "material",       "velocity_decay", "uri",            "experimental:params", "joints",
-      "projector",      "battery",        "audio_source",   "audio_sink",         "collider",      "geometry",
-      "surface",        "laser_retro",    "max_contacts",   "cast_shadows",       "transparency",  "meta",
-      "particle_emitter", "author",       "description"};
+  static const std::set<std::string, std::less<>> known = {"pose",
+                                                           "static",
+                                                           "self_collide",
+                                                           "allow_auto_disable",
+                                                           "enable_wind",
+                                                           "link",
+                                                           "joint",
+                                                           "model",
+                                                           "include",
+                                                           "frame",
+                                                           "plugin",
+                                                           "sensor",
+                                                           "light",
+                                                           "physics",
+                                                           "scene",
+                                                           "gui",
+                                                           "gravity",
+                                                           "magnetic_field",
+                                                           "atmosphere",
+                                                           "wind",
+                                                           "spherical_coordinates",
+                                                           "state",
+                                                           "audio",
+                                                           "name",
+                                                           "placement_frame",
+                                                           "kinematic",
+                                                           "inertial",
+                                                           "collision",
+                                                           "visual",
+                                                           "must_be_base_link",
+                                                           "material",
+                                                           "velocity_decay",
+                                                           "uri",
+                                                           "experimental:params",
+                                                           "joints",
+                                                           "projector",
+                                                           "battery",
+                                                           "audio_source",
+                                                           "audio_sink",
+                                                           "collider",
+                                                           "geometry",
+                                                           "surface",
+                                                           "laser_retro",
+                                                           "max_contacts",
+                                                           "cast_shadows",
+                                                           "transparency",
+                                                           "meta",
+                                                           "particle_emitter",
+                                                           "author",
+                                                           "description"};
   return name.starts_with("gz:") || name.starts_with("ignition:") || name.starts_with("drake:") ||
          name.starts_with("experimental:") || known.contains(name);
 }
@@ -46,12 +86,21 @@ std::string RelativeTo(const XmlElement* pose) {
 
 // The colours of Gazebo's material scripts that worlds use most.
 std::optional<Color> ScriptColor(const std::string& name) {
-  static const std::map<std::string, Color, std::less<>> known = {
-      {"Red", {1, 0, 0, 1}},           {"Green", {0, 1, 0, 1}},        {"Blue", {0, 0, 1, 1}},
-      {"Yellow", {1, 1, 0, 1}},        {"Orange", {1, 0.55, 0, 1}},    {"Purple", {0.6, 0, 0.6, 1}},
-      {"Turquoise", {0, 1, 1, 1}},     {"White", {1, 1, 1, 1}},        {"Black", {0.05, 0.05, 0.05, 1}},
-      {"Grey", {0.5, 0.5, 0.5, 1}},    {"DarkGrey", {0.18, 0.18, 0.18, 1}}, {"Wood", {0.65, 0.5, 0.35, 1}},
-      {"Bricks", {0.7, 0.35, 0.25, 1}}, {"Gold", {0.8, 0.65, 0.2, 1}}, {"Residential", {0.7, 0.7, 0.6, 1}}};
+  static const std::map<std::string, Color, std::less<>> known = {{"Red", {1, 0, 0, 1}},
+                                                                  {"Green", {0, 1, 0, 1}},
+                                                                  {"Blue", {0, 0, 1, 1}},
+                                                                  {"Yellow", {1, 1, 0, 1}},
+                                                                  {"Orange", {1, 0.55, 0, 1}},
+                                                                  {"Purple", {0.6, 0, 0.6, 1}},
+                                                                  {"Turquoise", {0, 1, 1, 1}},
+                                                                  {"White", {1, 1, 1, 1}},
+                                                                  {"Black", {0.05, 0.05, 0.05, 1}},
+                                                                  {"Grey", {0.5, 0.5, 0.5, 1}},
+                                                                  {"DarkGrey", {0.18, 0.18, 0.18, 1}},
+                                                                  {"Wood", {0.65, 0.5, 0.35, 1}},
+                                                                  {"Bricks", {0.7, 0.35, 0.25, 1}},
+                                                                  {"Gold", {0.8, 0.65, 0.2, 1}},
+                                                                  {"Residential", {0.7, 0.7, 0.6, 1}}};
   const auto found = known.find(name.substr(name.rfind('/') + 1));
   return found == known.end() ? std::nullopt : std::optional(found->second);
 }
@@ -213,8 +262,8 @@ class SdfReader {
     // Both are in every world, and are neither bodies nor always on the disk.
     if (text == "model://sun" || text == "model://ground_plane") return std::nullopt;
     if (open_.size() > kMaxOpenIncludes) {
-      diagnostics_.Fail(where, "found more than " + std::to_string(kMaxOpenIncludes) +
-                                   " includes inside each other, expected fewer");
+      diagnostics_.Fail(
+          where, "found more than " + std::to_string(kMaxOpenIncludes) + " includes inside each other, expected fewer");
       return std::nullopt;
     }
     const Result<std::string> file = files_.FindModel(text, path, where);
@@ -381,13 +430,13 @@ class SdfReader {
     // Looks are read for what nothing else shows, and a fault in them is no reason to refuse a world.
     if (is_visual) {
       Diagnostics own;
-      for (Solid& solid : ReadGeometry(*geometry, values.file(), files_, own)) {
+      for (SolidShape& solid : ReadGeometry(*geometry, values.file(), files_, own)) {
         link.visuals.push_back({std::move(solid), T_LS, ReadMaterial(element, values), values.At(element)});
       }
       if (own.failed()) link.visual_faults.push_back(*own.error());
       return;
     }
-    for (Solid& solid : ReadGeometry(*geometry, values.file(), files_, diagnostics_)) {
+    for (SolidShape& solid : ReadGeometry(*geometry, values.file(), files_, diagnostics_)) {
       link.collisions.push_back({std::move(solid), T_LS, std::nullopt, values.At(element)});
     }
   }

@@ -17,7 +17,7 @@ namespace troupe {
 
 struct SdfWorld {
   std::string name;
-  std::optional<double> gravity;  // m/s^2
+  std::optional<double> gravity;   // m/s^2
   std::vector<RigidModel> models;  // T_PM is in W
   bool is_world = false;           // the file has a `world`, not a lone model
 };
@@ -28,9 +28,9 @@ bool IsSdfText(std::string_view text);
 // Reads a file. Lone models of it are those of a world without a name.
 Result<SdfWorld> ReadSdf(const std::string& path, ModelFiles& files, Diagnostics& diagnostics);
 
-// The solid of a `geometry`; nothing for one that has no solid, with a warning if it matters, or after an error. Also of
-// URDF, whose geometries have attributes in place of elements.
-std::vector<Solid> ReadGeometry(const XmlElement& geometry, const std::string& file, ModelFiles& files,
-                                Diagnostics& diagnostics);
+// The solid of a `geometry`; nothing for one that has no solid, with a warning if it matters, or after an error. Also
+// of URDF, whose geometries have attributes in place of elements.
+std::vector<SolidShape> ReadGeometry(const XmlElement& geometry, const std::string& file, ModelFiles& files,
+                                     Diagnostics& diagnostics);
 
 }  // namespace troupe

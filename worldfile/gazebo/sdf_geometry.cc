@@ -26,12 +26,12 @@ Vec3 PositiveSize(const XmlValues& values, const XmlElement& shape, std::string_
   return {n[0], n[1], n[2]};
 }
 
-void ReadPolylines(const XmlValues& values, const XmlElement& geometry, std::vector<Solid>& solids) {
+void ReadPolylines(const XmlValues& values, const XmlElement& geometry, std::vector<SolidShape>& solids) {
   std::size_t count = 0;
   for (const XmlElement& polyline : geometry.children) {
     if (polyline.name != "polyline") continue;
-    Solid solid;
-    solid.kind = Solid::Kind::kPrism;
+    SolidShape solid;
+    solid.kind = SolidShape::Kind::kPrism;
     solid.length = values.Size(polyline, "height", 1.0);
     for (const XmlElement& point : polyline.children) {
       if (point.name != "point") continue;
@@ -53,10 +53,10 @@ void ReadPolylines(const XmlValues& values, const XmlElement& geometry, std::vec
   }
 }
 
-void ReadMeshShape(const XmlValues& values, const XmlElement& mesh, ModelFiles& files, std::vector<Solid>& solids) {
+void ReadMeshShape(const XmlValues& values, const XmlElement& mesh, ModelFiles& files,
+                   std::vector<SolidShape>& solids) {
   const XmlElement* const element = mesh.Find("uri");
-  const std::string uri =
-      element != nullptr ? std::string(element->Trimmed()) : XmlValues::Attribute(mesh, "filename");
+  const std::string uri = element != nullptr ? std::string(element->Trimmed()) : XmlValues::Attribute(mesh, "filename");
   const SourceLocation where = element != nullptr ? XmlTextPlace(*element, values.file()) : values.At(mesh);
   const Result<std::string> path = files.Find(uri, values.file(), where);
   if (!path.ok()) {
@@ -68,8 +68,8 @@ void ReadMeshShape(const XmlValues& values, const XmlElement& mesh, ModelFiles& 
     values.diagnostics().Fail(read.error().where, read.error().message);
     return;
   }
-  Solid solid;
-  solid.kind = Solid::Kind::kMesh;
+  SolidShape solid;
+  solid.kind = SolidShape::Kind::kMesh;
   solid.mesh = read.value();
   const std::vector<double> scale = EitherNumbers(values, mesh, "scale", {1, 1, 1});
   solid.size = {scale[0], scale[1], scale[2]};
@@ -77,7 +77,8 @@ void ReadMeshShape(const XmlValues& values, const XmlElement& mesh, ModelFiles& 
     const std::string name = XmlValues::Text(*submesh, "name");
     TriangleMesh part = PartOf(*solid.mesh, name);
     if (part.triangles.empty()) {
-      values.Warn(*submesh, "found no part " + Quoted(name) + " in " + QuotedPath(path.value()) + "; the whole is used");
+      values.Warn(*submesh,
+                  "found no part " + Quoted(name) + " in " + QuotedPath(path.value()) + "; the whole is used");
     } else {
       if (XmlValues::Flag(*submesh, "center", false)) {
         Vec3 low = part.points[part.triangles.front()[0]];
@@ -103,28 +104,28 @@ void ReadMeshShape(const XmlValues& values, const XmlElement& mesh, ModelFiles& 
 
 }  // namespace
 
-std::vector<Solid> ReadGeometry(const XmlElement& geometry, const std::string& file, ModelFiles& files,
-                                Diagnostics& diagnostics) {
+std::vector<SolidShape> ReadGeometry(const XmlElement& geometry, const std::string& file, ModelFiles& files,
+                                     Diagnostics& diagnostics) {
   const XmlValues values(file, diagnostics);
-  std::vector<Solid> solids;
+  std::vector<SolidShape> solids;
   bool has_polylines = false;
   for (const XmlElement& shape : geometry.children) {
     if (diagnostics.failed()) return {};
-    Solid solid;
+    SolidShape solid;
     if (shape.name == "box") {
-      solid.kind = Solid::Kind::kBox;
+      solid.kind = SolidShape::Kind::kBox;
       solid.size = PositiveSize(values, shape, "size");
     } else if (shape.name == "cylinder" || shape.name == "capsule" || shape.name == "cone") {
-      solid.kind = shape.name == "cylinder"  ? Solid::Kind::kCylinder
-                   : shape.name == "capsule" ? Solid::Kind::kCapsule
-                                             : Solid::Kind::kCone;
+      solid.kind = shape.name == "cylinder"  ? SolidShape::Kind::kCylinder
+                   : shape.name == "capsule" ? SolidShape::Kind::kCapsule
+                                             : SolidShape::Kind::kCone;
       solid.radius = values.Size(shape, "radius", 0.5);
       solid.length = values.Size(shape, "length", 1.0);
     } else if (shape.name == "sphere") {
-      solid.kind = Solid::Kind::kSphere;
+      solid.kind = SolidShape::Kind::kSphere;
       solid.radius = values.Size(shape, "radius", 1.0);
     } else if (shape.name == "ellipsoid") {
-      solid.kind = Solid::Kind::kEllipsoid;
+      solid.kind = SolidShape::Kind::kEllipsoid;
       solid.size = PositiveSize(values, shape, "radii");
     } else if (shape.name == "mesh") {
       ReadMeshShape(values, shape, files, solids);
@@ -140,7 +141,7 @@ std::vector<Solid> ReadGeometry(const XmlElement& geometry, const std::string& f
     }
     solids.push_back(std::move(solid));
   }
-  return diagnostics.failed() ? std::vector<Solid>() : solids;
+  return diagnostics.failed() ? std::vector<SolidShape>() : solids;
 }
 
 }  // namespace troupe

@@ -11,10 +11,10 @@
 namespace troupe {
 namespace {
 
-constexpr double kSamePlace = 1e-3;    // m
-constexpr double kSameAngle = 5e-3;    // rad
-constexpr double kFullCircle = 0.05;   // rad: a fan that lacks less than this is a circle
-constexpr double kSteepest = 1.4835;   // rad, of rays; 85 degrees
+constexpr double kSamePlace = 1e-3;   // m
+constexpr double kSameAngle = 5e-3;   // rad
+constexpr double kFullCircle = 0.05;  // rad: a fan that lacks less than this is a circle
+constexpr double kSteepest = 1.4835;  // rad, of rays; 85 degrees
 constexpr double kMaxCameraSide = 2048;
 
 // The words after the slashes of a topic.
@@ -83,7 +83,7 @@ bool IsUpright(const Transform3& T) {
 
 // The frame of the messages, if the file has one that is where the sensor is; a name that the file gives to the frame
 // of the sensor itself; else nothing.
-std::string FrameOf(const XmlElement& sensor, const SensorMount& mount, const Transform3& T_BS) {
+std::string FrameOf(const XmlElement& sensor, const SensorAttachment& mount, const Transform3& T_BS) {
   std::string name = FindText(sensor, {"gz_frame_id", "ignition_frame_id", "frame_id", "frameName", "frame_name"});
   name = name.substr(name.rfind('/') == std::string::npos ? 0 : name.rfind('/') + 1);
   if (name.empty()) name = mount.link;
@@ -94,7 +94,7 @@ std::string FrameOf(const XmlElement& sensor, const SensorMount& mount, const Tr
   return is_same ? name : "";
 }
 
-void SetCommon(const XmlValues& values, const SensorPart& sensor, const SensorMount& mount, const Transform3& T_BS,
+void SetCommon(const XmlValues& values, const SensorPart& sensor, const SensorAttachment& mount, const Transform3& T_BS,
                const std::string& name, NodeMaker& maker) {
   if (!name.empty()) maker.Text("name", name);
   maker.At(T_BS.ToPose());
@@ -109,7 +109,7 @@ void WarnOfTilt(const XmlValues& values, const XmlElement& element, double angle
                            " degrees, expected an upright one; it measures as if it were upright");
 }
 
-std::optional<WorldNode> RangerNode(const XmlValues& values, const SensorPart& sensor, const SensorMount& mount) {
+std::optional<WorldNode> RangerNode(const XmlValues& values, const SensorPart& sensor, const SensorAttachment& mount) {
   const XmlElement* ray = sensor.element.Find("ray");
   if (ray == nullptr) ray = sensor.element.Find("lidar");
   static const XmlElement kEmpty;
@@ -162,7 +162,7 @@ std::optional<WorldNode> RangerNode(const XmlValues& values, const SensorPart& s
   return maker.Child(std::move(rays.node)).node;
 }
 
-std::optional<WorldNode> CameraNode(const XmlValues& values, const SensorPart& sensor, const SensorMount& mount) {
+std::optional<WorldNode> CameraNode(const XmlValues& values, const SensorPart& sensor, const SensorAttachment& mount) {
   static const XmlElement kEmpty;
   const XmlElement* camera = sensor.element.Find("camera");
   if (camera == nullptr) camera = &kEmpty;
@@ -189,7 +189,7 @@ std::optional<WorldNode> CameraNode(const XmlValues& values, const SensorPart& s
   return std::move(maker.node);
 }
 
-std::optional<WorldNode> ImuNode(const XmlValues& values, const SensorPart& sensor, const SensorMount& mount) {
+std::optional<WorldNode> ImuNode(const XmlValues& values, const SensorPart& sensor, const SensorAttachment& mount) {
   NodeMaker maker("imu", values.At(sensor.element));
   std::string name = TopicOf(sensor.element, false);
   SetCommon(values, sensor, mount, mount.T_BS, name.empty() ? "imu" : name, maker);
@@ -207,7 +207,7 @@ std::optional<WorldNode> ImuNode(const XmlValues& values, const SensorPart& sens
 
 }  // namespace
 
-std::optional<WorldNode> SensorNode(const SensorPart& sensor, const SensorMount& mount, Diagnostics& diagnostics) {
+std::optional<WorldNode> SensorNode(const SensorPart& sensor, const SensorAttachment& mount, Diagnostics& diagnostics) {
   const XmlValues values(sensor.file, diagnostics);
   const std::string type = XmlValues::Attribute(sensor.element, "type");
   if (type == "ray" || type == "gpu_ray" || type == "lidar" || type == "gpu_lidar") {

@@ -15,12 +15,12 @@
 namespace troupe {
 
 // Where a sensor is: in the frame B of the model that carries it, which is upright.
-struct SensorMount {
+struct SensorAttachment {
   Transform3 T_BS;
-  std::string link;                                // that it is on
+  std::string link;                                 // that it is on
   const std::map<std::string, Transform3>* frames;  // in B, of the robot's file
 };
 
-std::optional<WorldNode> SensorNode(const SensorPart& sensor, const SensorMount& mount, Diagnostics& diagnostics);
+std::optional<WorldNode> SensorNode(const SensorPart& sensor, const SensorAttachment& mount, Diagnostics& diagnostics);
 
 }  // namespace troupe

@@ -9,11 +9,12 @@ namespace troupe {
 namespace {
 
 constexpr int kRoundSides = 32;
-constexpr int kRings = 8;                // of a half of a sphere
-constexpr double kThinnest = 1e-4;       // m, of a block's height
+constexpr int kRings = 8;           // of a half of a sphere
+constexpr double kThinnest = 1e-4;  // m, of a block's height
 // m: the footprint of a lower band says nothing, because its height is an error of less.
 constexpr double kLowBand = 0.01;
-constexpr double kStraight = 5e-4;       // m: corners nearer to the line between their neighbours are left out
+constexpr double kNearlyLevel = 5e-3;     // m, of heights that count as those of a band's bottom or top
+constexpr double kStraight = 5e-4;        // m: corners nearer to the line between their neighbours are left out
 constexpr double kSheetThickness = 0.01;  // m, of a wall without one
 
 struct Detail {
@@ -83,23 +84,26 @@ Polyhedron RoundBody(const Vec3& radii, double length) {
   return FromRings(rings);
 }
 
-Polyhedron PolyhedronOf(const Solid& solid) {
+Polyhedron PolyhedronOf(const SolidShape& solid) {
   switch (solid.kind) {
-    case Solid::Kind::kBox: {
+    case SolidShape::Kind::kBox: {
       const Vec3 h = solid.size * 0.5;
       return FromRings({{{-h.x, -h.y, -h.z}, {h.x, -h.y, -h.z}, {h.x, h.y, -h.z}, {-h.x, h.y, -h.z}},
                         {{-h.x, -h.y, h.z}, {h.x, -h.y, h.z}, {h.x, h.y, h.z}, {-h.x, h.y, h.z}}});
     }
-    case Solid::Kind::kCylinder:
-    case Solid::Kind::kCone: {
+    case SolidShape::Kind::kCylinder:
+    case SolidShape::Kind::kCone: {
       const double r = PolygonRadius(solid.radius);
-      const double tip = solid.kind == Solid::Kind::kCone ? 1e-3 * r : r;
+      const double tip = solid.kind == SolidShape::Kind::kCone ? 1e-3 * r : r;
       return FromRings({Ring(r, r, -0.5 * solid.length), Ring(tip, tip, 0.5 * solid.length)});
     }
-    case Solid::Kind::kSphere: return RoundBody({solid.radius, solid.radius, solid.radius}, 0.0);
-    case Solid::Kind::kCapsule: return RoundBody({solid.radius, solid.radius, solid.radius}, solid.length);
-    case Solid::Kind::kEllipsoid: return RoundBody(solid.size, 0.0);
-    case Solid::Kind::kPrism: {
+    case SolidShape::Kind::kSphere:
+      return RoundBody({solid.radius, solid.radius, solid.radius}, 0.0);
+    case SolidShape::Kind::kCapsule:
+      return RoundBody({solid.radius, solid.radius, solid.radius}, solid.length);
+    case SolidShape::Kind::kEllipsoid:
+      return RoundBody(solid.size, 0.0);
+    case SolidShape::Kind::kPrism: {
       std::vector<Vec3> bottom;
       std::vector<Vec3> top;
       for (const Vec2& corner : solid.outline) {
@@ -108,7 +112,8 @@ Polyhedron PolyhedronOf(const Solid& solid) {
       }
       return FromRings({bottom, top});
     }
-    case Solid::Kind::kMesh: break;
+    case SolidShape::Kind::kMesh:
+      break;
   }
   return {};
 }
@@ -223,28 +228,28 @@ class BandMaker {
   }
 
  private:
-  // The part of an edge between two heights, and where it crosses them.
+  // The part of an edge between two heights, and its parts at the bottom and at the top of the band.
   static void AddEdge(const Vec3& p, const Vec3& q, double low, double high, Polygon& inside, Polygon& at_low,
                       Polygon& at_high) {
     const Vec3& a = p.z <= q.z ? p : q;
     const Vec3& b = p.z <= q.z ? q : p;
-    if (a.z > high || b.z < low) return;
-    const auto at = [&](double z) {
-      if (z <= a.z) return Vec2(a.x, a.y);
-      if (z >= b.z) return Vec2(b.x, b.y);
-      const double t = (z - a.z) / (b.z - a.z);
-      return Vec2(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
+    const auto add = [&](double from, double to, Polygon& part) {
+      if (a.z > to || b.z < from) return;
+      const auto at = [&](double z) {
+        if (z <= a.z) return Vec2(a.x, a.y);
+        if (z >= b.z) return Vec2(b.x, b.y);
+        const double t = (z - a.z) / (b.z - a.z);
+        return Vec2(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
+      };
+      part.push_back(at(from));
+      part.push_back(at(to));
+      if (a.z == b.z) part.emplace_back(b.x, b.y);
     };
-    inside.push_back(at(low));
-    inside.push_back(at(high));
-    // Sections of a level edge are both of its ends.
-    if (a.z <= low) at_low.push_back(at(low));
-    if (b.z >= high) at_high.push_back(at(high));
-    if (a.z == b.z) {
-      inside.push_back({b.x, b.y});
-      if (a.z <= low) at_low.push_back({b.x, b.y});
-      if (b.z >= high) at_high.push_back({a.x, a.y});
-    }
+    add(low, high, inside);
+    // Not at one height only: a face that its author thought level is none after rounding.
+    const double nearly = std::min(kNearlyLevel, 0.25 * (high - low));
+    add(low, low + nearly, at_low);
+    add(high - nearly, high, at_high);
   }
 
   const std::vector<Vec3>& points_;
@@ -285,8 +290,8 @@ SolidBlocks HullsInBands(const std::vector<Vec3>& points, const std::vector<std:
   return made;
 }
 
-SolidBlocks BlocksOf(const Solid& solid, const Transform3& T, SolidUse use) {
-  if (solid.kind == Solid::Kind::kMesh) {
+SolidBlocks BlocksOf(const SolidShape& solid, const Transform3& T, SolidUse use) {
+  if (solid.kind == SolidShape::Kind::kMesh) {
     TriangleMesh placed = *solid.mesh;
     for (Vec3& p : placed.points) p = T * Vec3{p.x * solid.size.x, p.y * solid.size.y, p.z * solid.size.z};
     if (solid.size.x * solid.size.y * solid.size.z < 0.0) {
@@ -295,7 +300,7 @@ SolidBlocks BlocksOf(const Solid& solid, const Transform3& T, SolidUse use) {
     }
     return MeshBlocks(placed, use);
   }
-  const bool is_upright_prism = solid.kind == Solid::Kind::kPrism && IsVertical(T.z_axis());
+  const bool is_upright_prism = solid.kind == SolidShape::Kind::kPrism && IsVertical(T.z_axis());
   if (is_upright_prism) {
     const bool is_up = T.z_axis().z > 0.0;
     Polygon outline;

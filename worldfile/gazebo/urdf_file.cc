@@ -71,12 +71,12 @@ class UrdfReader {
       const XmlElement* const geometry = child.Find("geometry");
       if (diagnostics_.failed() || geometry == nullptr) continue;
       if (child.name == "collision") {
-        for (Solid& solid : ReadGeometry(*geometry, values_.file(), files_, diagnostics_)) {
+        for (SolidShape& solid : ReadGeometry(*geometry, values_.file(), files_, diagnostics_)) {
           link.collisions.push_back({std::move(solid), values_.Origin(child), std::nullopt, values_.At(child)});
         }
       } else if (child.name == "visual") {
         Diagnostics own;
-        for (Solid& solid : ReadGeometry(*geometry, values_.file(), files_, own)) {
+        for (SolidShape& solid : ReadGeometry(*geometry, values_.file(), files_, own)) {
           link.visuals.push_back({std::move(solid), values_.Origin(child), VisualColor(child), values_.At(child)});
         }
         if (own.failed()) link.visual_faults.push_back(*own.error());
@@ -188,7 +188,8 @@ class UrdfReader {
       }
       if (child.name != "sensor") continue;
       if (link == index_.end()) {
-        values_.Warn(child, "found a sensor on " + Quoted(reference) + ", expected a link of the robot; it is left out");
+        values_.Warn(child,
+                     "found a sensor on " + Quoted(reference) + ", expected a link of the robot; it is left out");
         continue;
       }
       const XmlElement* const pose = child.Find("pose");

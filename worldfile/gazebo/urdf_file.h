@@ -1,4 +1,5 @@
-// URDF robots (.urdf): to a RigidModel, with the sensors and plugins of its `gazebo` elements. Frame M is the root link.
+// URDF robots (.urdf): to a RigidModel, with the sensors and plugins of its `gazebo` elements. Frame M is the root
+// link.
 #pragma once
 
 #include <optional>

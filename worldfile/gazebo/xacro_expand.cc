@@ -14,14 +14,14 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMaxEvaluations = 2'000'000;
+constexpr std::size_t kMaxEvaluations = 100'000;
 constexpr int kMaxMacroDepth = 60;  // macros, includes and elements inside each other
 constexpr std::size_t kMaxValueBytes = 1'000'000;
 
 // Names of properties and blocks; what is not here is sought in the scope around.
 struct XacroScope {
   XacroScope* outer = nullptr;
-  std::map<std::string, std::string> texts;                     // not yet evaluated
+  std::map<std::string, std::string> texts;  // not yet evaluated
   std::map<std::string, std::vector<XmlElement>> blocks;
 };
 
@@ -125,7 +125,8 @@ class XacroExpander {
     return shell;
   }
 
-  void ExpandChildren(const XmlElement& element, const std::string& file, XacroScope& scope, int depth, XmlElement& into) {
+  void ExpandChildren(const XmlElement& element, const std::string& file, XacroScope& scope, int depth,
+                      XmlElement& into) {
     for (const XmlElement& child : element.children) {
       if (error_) return;
       Expand(child, file, scope, depth, into);
@@ -134,7 +135,8 @@ class XacroExpander {
 
   // Appends what the element stands for.
   void Expand(const XmlElement& element, const std::string& file, XacroScope& scope, int depth, XmlElement& into) {
-    if (depth > kMaxMacroDepth) Fail(element, file, "found macros or includes too deep inside each other, expected fewer");
+    if (depth > kMaxMacroDepth)
+      Fail(element, file, "found macros or includes too deep inside each other, expected fewer");
     if (++elements_ > kMaxXmlElements) Fail(element, file, "found too many elements of macros, expected fewer");
     if (error_) return;
     if (!element.name.starts_with("xacro:")) {
@@ -157,7 +159,8 @@ class XacroExpander {
       arguments_.emplace(attribute("name"), Text(attribute("default"), element, file, scope));
     } else if (word == "macro") {
       XacroMacro macro;
-      for (const std::string& parameter : ParameterWords(attribute("params"))) macro.parameters.push_back(ParameterOf(parameter));
+      for (const std::string& parameter : ParameterWords(attribute("params")))
+        macro.parameters.push_back(ParameterOf(parameter));
       macro.body = &element;
       macro.file = file;
       std::string name = attribute("name");
@@ -185,8 +188,10 @@ class XacroExpander {
     } else if (const auto macro = macros_.find(word); macro != macros_.end()) {
       Call(element, macro->second, file, scope, depth, into);
     } else {
-      Fail(element, file, "found " + Quoted(element.name) + ", expected a macro of the file: others, and what else "
-                          "xacro has, are known to the program 'xacro' only");
+      Fail(element, file,
+           "found " + Quoted(element.name) +
+               ", expected a macro of the file: others, and what else "
+               "xacro has, are known to the program 'xacro' only");
     }
   }
 
@@ -331,11 +336,12 @@ class XacroExpander {
       if (out.size() > kMaxValueBytes) return Error{{}, "found a text that is too long, expected a shorter one"};
       at = end + 1;
     }
-    return ValueOfText(out);
+    return ExpressionValue(std::move(out));
   }
 
   // Commands in an expression are replaced before it is evaluated: ${'$(arg sim)' == 'gazebo'}.
-  Result<ExpressionValue> Expression(const std::string& written, const std::string& file, XacroScope& scope, int depth) {
+  Result<ExpressionValue> Expression(const std::string& written, const std::string& file, XacroScope& scope,
+                                     int depth) {
     std::string text = written;
     if (text.find('$') != std::string::npos) {
       const Result<ExpressionValue> replaced = Substitute(written, file, scope, depth + 1);
@@ -347,7 +353,9 @@ class XacroExpander {
       if (raw == nullptr) return std::optional<ExpressionValue>();
       Result<ExpressionValue> value = Substitute(*raw, file, *at, depth + 1);
       if (!value.ok()) return value.error();
-      return std::optional(std::move(value).value());
+      // A property that looks like a number is one.
+      const auto* const found = std::get_if<std::string>(&value.value());
+      return std::optional(found != nullptr ? ValueOfText(*found) : std::move(value).value());
     });
   }
 
@@ -359,7 +367,7 @@ class XacroExpander {
     const std::string name = words.size() > 1 ? words[1] : "";
     if (word == "arg") {
       const auto found = arguments_.find(name);
-      if (found != arguments_.end()) return ValueOfText(found->second);
+      if (found != arguments_.end()) return ExpressionValue(found->second);
       return Error{{}, "found the argument " + Quoted(name) + " without a default, expected one: xacro:arg"};
     }
     if (word == "find") {

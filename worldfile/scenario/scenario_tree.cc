@@ -126,7 +126,7 @@ class Adder {
   // "scout0", "scout1", ...: the first that is free. Models of files have the file's name without its folder and
   // ending.
   std::string FreeName(const std::string& model) {
-    const std::string prefix = IsModelFile(model) ? std::filesystem::path(model).stem().stem().string() : model;
+    const std::string prefix = IsModelFile(model) ? NameOfModelFile(model) : model;
     for (std::size_t& number = next_numbers_[prefix];;) {
       std::string name = prefix + std::to_string(number++);
       if (!top_level_.contains(name)) return name;

@@ -1,6 +1,6 @@
-// PartDraft: a door, a lift or a body as a reader of another format knows it, typed, in m and rad. A node of a tree (world_tree.h)
-// has it in place of properties. A property of the node, which a scenario may set, counts before the draft, and has the
-// units of the file.
+// PartDraft: a door, a lift or a body as a reader of another format knows it, typed, in m and rad. A node of a tree
+// (world_tree.h) has it in place of properties. A property of the node, which a scenario may set, counts before the
+// draft, and has the units of the file.
 #pragma once
 
 #include <array>
@@ -58,8 +58,8 @@ struct BodyDraft {
     double roll = 0.0;
     double pitch = 0.0;
   };
-  std::vector<Block> blocks;   // in the model's frame, normalized
-  std::vector<Frame> frames;   // of a robot
+  std::vector<Block> blocks;  // in the model's frame, normalized
+  std::vector<Frame> frames;  // of a robot
 };
 
 using PartDraft = std::variant<DoorDraft, LiftDraft, BodyDraft>;

@@ -184,7 +184,8 @@ class XmlParser {
       const char* const begin = name.data() + (is_hex ? 2 : 1);
       const char* const end = name.data() + name.size();
       const std::from_chars_result read = std::from_chars(begin, end, code, is_hex ? 16 : 10);
-      if (read.ec == std::errc() && read.ptr == end && code > 0 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff)) {
+      if (read.ec == std::errc() && read.ptr == end && code > 0 && code <= 0x10ffff &&
+          (code < 0xd800 || code > 0xdfff)) {
         AppendUtf8(code, out);
         Advance(semicolon + 1);
         return;
@@ -270,6 +271,7 @@ class XmlParser {
     while (!error_) {
       const std::size_t next = text_.find('<', at_);
       if (next == std::string_view::npos) {
+        Advance(text_.size());
         Fault("found the end of the file in element " + Quoted(element.name) + " of line " +
               std::to_string(element.line) + ", expected " + Quoted("</" + element.name + ">"));
         return;

@@ -1,8 +1,9 @@
-// XmlDocument: the elements of an XML text, with their places. SDF, URDF, model.config and COLLADA files are read by it.
+// XmlDocument: the elements of an XML text, with their places. SDF, URDF, model.config and COLLADA files are read by
+// it.
 //
 // A text may come from a stranger: its size, its depth and its elements are limited, and a document type that declares
-// entities is an error, so that a few lines cannot stand for a billion. Namespaces are no concept here: "gz:policies" is
-// a name. Text between the elements of a parent, which some files have by mistake, is kept as the parent's text.
+// entities is an error, so that a few lines cannot stand for a billion. Namespaces are no concept here: "gz:policies"
+// is a name. Text between the elements of a parent, which some files have by mistake, is kept as the parent's text.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +41,7 @@ struct XmlElement {
   std::string_view Trimmed() const;
 };
 
-inline constexpr std::size_t kMaxXmlElements = 1'000'000;
+inline constexpr std::size_t kMaxXmlElements = 300'000;
 inline constexpr std::size_t kMaxXmlDepth = 100;
 
 // The root element of a text. `path` is for messages.

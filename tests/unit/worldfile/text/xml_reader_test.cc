@@ -13,10 +13,11 @@ namespace {
 using test::ValueOf;
 
 TEST(ParseXml, ReadsElementsWithTheirPlaces) {
-  const XmlElement root = ValueOf(ParseXml(
-      "\xef\xbb\xbf<?xml version='1.0'?>\n<!DOCTYPE sdf>\n<!-- a > b -->\n<sdf version=\"1.6\">\n  <a x='1' y=\"&lt;2&#65;\"/>\n"
-      "  <b>\n 3 <!-- c --> 4<![CDATA[<5>]]> </b>\n stray \\\n</sdf>\n",
-      "f.sdf"));
+  const XmlElement root =
+      ValueOf(ParseXml("\xef\xbb\xbf<?xml version='1.0'?>\n<!DOCTYPE sdf>\n<!-- a > b -->\n<sdf version=\"1.6\">\n  <a "
+                       "x='1' y=\"&lt;2&#65;\"/>\n"
+                       "  <b>\n 3 <!-- c --> 4<![CDATA[<5>]]> </b>\n stray \\\n</sdf>\n",
+                       "f.sdf"));
   EXPECT_EQ(root.name, "sdf");
   EXPECT_EQ(root.line, 4);
   ASSERT_EQ(root.children.size(), 2U);
