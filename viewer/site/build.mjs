@@ -118,7 +118,7 @@ ${navigation(path)}
 <article>
 ${html}
 </article>
-${tableOfContents(sections)}
+${kind === 'start' ? '' : tableOfContents(sections)}
 </main>
 <script src="${base}/site.js"></script>
 </body>

@@ -12,7 +12,7 @@ const PICTURE_TICK = 100;
 export function makeLivePages(pages, {root, output, program, module}) {
   const run = (...args) => execFileSync(program, args, {stdio: ['ignore', 'ignore', 'inherit']});
   const full = resolve(program);
-  const makePage = (scenario, page) => run('view', scenario, '--static', '-o', join(output, page), '--module', module);
+  const makePage = (file, page, ...more) => run('view', file, '--static', '-o', join(output, page), '--module', module, ...more);
   mkdirSync(join(output, 'live'), {recursive: true});
 
   // A page has the files of one folder: scenarios of the site are copied with the models that they include, at the same
@@ -36,7 +36,7 @@ export function makeLivePages(pages, {root, output, program, module}) {
     const picture = `live/${each.name}.png`;
     if (each.picture) copyFileSync(join(root, each.picture), join(output, picture));
     else run('snapshot', scenario, '--tick', String(PICTURE_TICK), '-o', join(output, picture));
-    return {...each, page, picture, links: [['The page', page]]};
+    return {...each, page, picture, links: [['Open it', page]]};
   };
 
   const makeTest = (each, test, work) => {
@@ -51,7 +51,7 @@ export function makeLivePages(pages, {root, output, program, module}) {
     const cases = readdirSync(report, {withFileTypes: true}).filter(entry => entry.isDirectory()).map(({name}) => name);
     const first = cases.sort((a, b) => a.localeCompare(b, 'en', {numeric: true}))[0];
     const page = `live/${each.name}.html`;
-    makePage(join(report, first, 'scenario.json'), page);
+    makePage(join(report, first, 'scenario.json'), page, '--expect', test);
     const picture = `live/${each.name}.png`;
     copyFileSync(join(report, first, 'violation.png'), join(output, picture));
     const links = [['The smallest case, to change and run', page]];
