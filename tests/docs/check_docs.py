@@ -4,7 +4,7 @@ docs/architecture.md differs from the rules in tests/architecture_test.cmake, if
 between folders of the top level, if a step of the walks there names a file or function that does not exist, if the table
 of members in docs/reliability.md is not complete, or if a folder of the top level has no README, one that is too long, or
 one that names a file that does not exist; or if CITATION.cff or the changelog lack the version, or if the table of the parameters of sensors in docs/sensors.md
-differs from their lists of fields.
+differs from their lists of fields; or if the WebAssembly module lacks a source of the world service, or names one that is gone.
 
 usage: check_docs.py ROOT [--write]     --write: corrects the column of dependencies in the table
 """
@@ -249,6 +249,17 @@ def check_sensor_fields(root):
     return problems
 
 
+def check_module_sources(root):
+    """The module names sources of other folders, and is built where emscripten is: a new or moved source is found here."""
+    named = set(re.findall(r"\$\{root\}/([\w/-]+\.cc)", (root / "viewer/module/CMakeLists.txt").read_text()))
+    problems = [f"viewer/module/CMakeLists.txt: no file {name}" for name in sorted(named) if not (root / name).exists()]
+    for source in sorted((root / "world-service/service").glob("*.cc")):
+        # A run in a page has no threads.
+        if source.name != "run_service.cc" and f"world-service/service/{source.name}" not in named:
+            problems.append(f"viewer/module/CMakeLists.txt: expected world-service/service/{source.name}")
+    return problems
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
@@ -257,6 +268,7 @@ def main():
     problems += check_versions(root)
     problems += check_members(root)
     problems += check_sensor_fields(root)
+    problems += check_module_sources(root)
     for problem in problems:
         print(problem)
     sys.exit(1 if problems else 0)

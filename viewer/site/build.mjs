@@ -4,7 +4,7 @@
 // PROGRAM: troupe. XML_FOLDER: of Doxygen. MODULE: the folder of the WebAssembly module; empty: no page simulates.
 import {execFileSync} from 'node:child_process';
 import {copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, statSync, writeFileSync} from 'node:fs';
-import {dirname, join, posix, relative} from 'node:path';
+import {dirname, join, posix} from 'node:path';
 import {makeLivePages} from './live_pages.mjs';
 import {escape, render} from './markdown.mjs';
 
@@ -118,7 +118,7 @@ ${navigation(path)}
 <article>
 ${html}
 </article>
-${tableOfContents(sections)}
+${kind === 'start' ? '' : tableOfContents(sections)}
 </main>
 <script src="${base}/site.js"></script>
 </body>
@@ -207,4 +207,4 @@ for (const file of pictures) {
 for (const name of ['site.css', 'site.js', 'theme.js']) copyFileSync(join(own, name), join(output, name));
 // A script and not JSON: pages from a disk may load scripts, and no other files.
 write('search_index.js', `window.searchIndex = ${JSON.stringify(index)};\n`);
-console.log(`${relative(process.cwd(), join(output, 'index.html'))}: ${index.length + sources.size} pages`);
+console.error(`${index.length + sources.size} pages of text, ${live.length} that simulate`);
