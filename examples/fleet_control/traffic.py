@@ -119,7 +119,7 @@ class Traffic:
                     able.append(name)
             if not able:
                 return False
-            # At home they are on nobody's way.
+            # At home they are in no other vehicle's way.
             left = [name for name in left if name not in able]
         return True
 
