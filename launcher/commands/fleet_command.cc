@@ -221,7 +221,7 @@ int CheckRecording(const FleetCheckArguments& arguments) {
   return damage ? Fail(*damage) : status;
 }
 
-// The time of day at the begin, and from then on a clock that nobody sets.
+// The time of day at the begin, and from then on a clock that is never set.
 class SteadyTime {
  public:
   std::int64_t Milliseconds() const { return began_ + static_cast<std::int64_t>(1e3 * Seconds()); }
