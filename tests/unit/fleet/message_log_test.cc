@@ -34,7 +34,7 @@ TEST(MessageLog, ReadsItsFormsAndWhatItWrites) {
             (LoggedMessage{2'000, "t", R"({"a":  1.50})"}));
   // By mosquitto_sub -F %j.
   const char* const line =
-      R"({"tst":"2025-11-28T09:00:00.250000+0100","topic":"t","qos":0,"retain":0,"payloadlen":1,"payload":"x"})";
+      R"({"tst":"2025-11-28T08:00:00.250000Z+0000","topic":"t","qos":0,"retain":0,"payloadlen":1,"payload":"x"})";
   EXPECT_EQ(ReadLogLine(line, "log", 1).value(), (LoggedMessage{1'764'316'800'250, "t", "x"}));
   EXPECT_EQ(LogLine({0, "t", "\xff"}), "{\"time\":0,\"topic\":\"t\",\"payload\":\"\xef\xbf\xbd\"}\n");
 }

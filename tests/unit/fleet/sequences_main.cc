@@ -6,6 +6,9 @@
 //   fleet_sequences --messages FIRST COUNT
 // Messages for the public schemas (schemas_test.py), those of the vehicle in the sequences among them: a line for each
 // with topic, version and text.
+//   fleet_sequences --conversations
+// A line for each version and rule: {"version", "rule", "broken": whether the version has the rule, "log": lines of a log
+// (message_log.h)}, and one without a rule, of a conversation that breaks none.
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -17,6 +20,7 @@
 #include "fleet/codec.h"
 #include "fleet/message_names.h"
 #include "fleet/vehicle.h"
+#include "tests/unit/fleet/conversation.h"
 #include "tests/unit/fleet/fleet_samples.h"
 #include "tests/unit/fleet/full_messages.h"
 #include "troupe/random.h"
@@ -407,11 +411,33 @@ class Sequence {
   std::uint32_t state_headers_ = 0;
 };
 
+void WriteConversation(Version version, const RuleInfo* info, const Play& play) {
+  Conversation conversation(version);
+  play(conversation);
+  json line = {{"version", NameOf(version)},
+               {"rule", info != nullptr ? json(NameOf(info->rule)) : json()},
+               {"broken", info != nullptr && info->IsIn(version)},
+               {"log", json::array()}};
+  for (const LoggedMessage& message : conversation.log()) line["log"].push_back(LogLine(message));
+  std::cout << line.dump() << '\n';
+}
+
+void WriteConversations() {
+  for (const Version version : {Version::k2_0, Version::k2_1, Version::k3_0}) {
+    WriteConversation(version, nullptr, HoldGoodConversation);
+    for (const auto& [rule, play] : BrokenRules()) WriteConversation(version, &InfoOf(rule), play);
+  }
+}
+
 }  // namespace
 }  // namespace troupe::fleet
 
 int main(int argc, char** argv) {
   using namespace troupe::fleet;
+  if (argc == 2 && std::string_view(argv[1]) == "--conversations") {
+    WriteConversations();
+    return 0;
+  }
   const bool writes_messages = argc > 1 && std::string_view(argv[1]) == "--messages";
   const int first_argument = writes_messages ? 2 : 1;
   if (argc != first_argument + 2) return 2;
