@@ -23,6 +23,7 @@ from vehicles import Vehicle
 RESEND_SECONDS = 3.0    # without an answer of the vehicle
 RETRY_SECONDS = 5.0     # from a rejection to the next order
 CANDIDATES = 3          # vehicles that are tried for a job at once
+LOW, ENOUGH = 30.0, 80.0  # %: a vehicle with less charges at home, until it has enough
 REACH = 1.0             # m from a node at which a vehicle is first seen
 
 
@@ -35,7 +36,8 @@ class Job:
 class Task:
     """What the control does with a vehicle: nothing, a job, or the way home. `next`: a job with its route's stops, for when it stands."""
     def __init__(self):
-        self.kind, self.job, self.next, self.retry_at, self.is_charging = "none", None, None, 0.0, False
+        self.kind, self.job, self.next, self.retry_at = "none", None, None, 0.0
+        self.is_charging, self.is_low = False, False
 
 
 class FleetControl:
@@ -155,9 +157,17 @@ class FleetControl:
         task.kind, task.job, task.next, task.retry_at = "lost", None, None, now + RETRY_SECONDS
 
     def _assign(self, ready):
-        """The first job whose nearest vehicles can take it, and so on."""
+        """The first job whose nearest vehicles can take it, and so on. Jobs at one station are done in their order."""
+        running = [task.job or task.next[0] for task in self.tasks.values() if task.job or task.next]
+        in_use = {station for job in running for station in (job.start, job.end)}
         for job in list(self.waiting):
-            free = [place for place in ready if self.tasks[place].kind in ("none", "home") and self.tasks[place].next is None]
+            stations = {job.start, job.end}
+            is_late = bool(stations & in_use)
+            in_use |= stations
+            if is_late:
+                continue
+            free = [place for place in ready if self.tasks[place].kind in ("none", "home") and self.tasks[place].next is None
+                    and not self._is_low(place)]
             if not free:
                 return
             pick = self.layout.place(job.start)
@@ -175,6 +185,12 @@ class FleetControl:
                     self.waiting.remove(job)
                     self.tell(f"job {job.number}: {job.start} to {job.end} by {self.vehicles[place].name}")
                     break
+
+    def _is_low(self, place):
+        task, charge = self.tasks[place], self.vehicles[place].state["charge"]
+        can_charge = self.traffic.travellers[place].home in self.layout.chargers and self.vehicles[place].can("startCharging", "NODE")
+        task.is_low = can_charge and charge < (ENOUGH if task.is_low else LOW)
+        return task.is_low
 
     def _start(self, place, now):
         """A new order for a vehicle that stands at the end of what is granted to it."""

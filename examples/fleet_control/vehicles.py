@@ -42,6 +42,8 @@ class Vehicle:
                      "sequence": int(message["lastNodeSequenceId"]), "nodes": len(message["nodeStates"]) + len(message["edgeStates"]),
                      "mode": message["operatingMode"], "errors": message["errors"], "driving": bool(message["driving"]),
                      "actions": {each["actionId"]: each["actionStatus"] for each in message["actionStates"]},
+                     "charge": float((message.get("batteryState") or {}).get("batteryCharge", (message.get("powerSupply") or {}).get(
+                         "stateOfCharge", 100.0))),
                      "position": message.get("agvPosition") or message.get("mobileRobotPosition") or {}}
             instant = {each["actionId"]: each["actionStatus"] for each in message.get("instantActionStates", message["actionStates"])}
             for identity, status in instant.items():
@@ -80,8 +82,12 @@ class Vehicle:
 
     @property
     def is_idle(self):
-        """Nothing of the order is left, and it is shown."""
-        if not self.has_answered or self.state["nodes"] > 0 or self.instant:
+        """Nothing of the order is left, and it is shown. An order that was not sent yet does not count."""
+        if self.state["nodes"] > 0 or self.instant:
+            return False
+        if self.order is not None and self.order["update"] < 0:
+            return True
+        if not self.has_answered:
             return False
         mine = self.order["actions"] if self.order else {}
         return all(self.state["actions"].get(action["actionId"]) in FINAL for actions in mine.values() for action in actions)

@@ -1,13 +1,10 @@
 #include "launcher/commands/snapshot_command.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -20,7 +17,6 @@
 #include "common/base/print.h"
 #include "common/picture/heat_map.h"
 #include "common/sensing/sensor_suite.h"
-#include "common/spatial/occupancy_grid.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
 #include "library/save_picture.h"
@@ -30,8 +26,6 @@
 #include "world-service/replay/replayed_world.h"
 #include "world-service/service/requested_file.h"
 #include "worldfile/load_world.h"
-#include "worldfile/sites/building_text.h"
-#include "worldfile/sites/lif_json.h"
 
 namespace troupe {
 namespace {
@@ -252,101 +246,6 @@ int SnapshotHeat(const SnapshotOptions& options, const PictureOptions& picture, 
   return saved.ok() ? kExitDone : Fail(saved.error());
 }
 
-constexpr std::uint64_t kMaxCells = 400'000'000;
-// Of the files of a map, behind its name.
-constexpr const char* kImageEnding = ".pgm";
-constexpr const char* kMapEnding = ".yaml";
-constexpr const char* kLanesEnding = ".lif.json";
-constexpr const char* kBuildingEnding = ".building.yaml";
-
-struct ExportMapOptions {
-  std::string file;
-  std::string output;
-  std::optional<double> resolution;
-  std::optional<double> height;
-  bool lanes = false;
-  bool building = false;
-};
-
-// Of the lanes and places of a building, beside its map.
-Status WriteLanes(const ExportMapOptions& options, const Site* site) {
-  if (site == nullptr) return Error{{options.file}, "found no lanes, expected a building (.building.yaml) or a layout"};
-  const std::string now = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  return WriteWholeFile(options.output + kLanesEnding, LayoutText(*site, now));
-}
-
-// The whole site, beside its map.
-Status WriteBuilding(const ExportMapOptions& options, const Site* site) {
-  if (site == nullptr) {
-    return Error{{options.file}, "found no building, expected one (.building.yaml), a layout, or a scenario in one"};
-  }
-  return WriteWholeFile(options.output + kBuildingEnding, BuildingText(*site));
-}
-
-// Both or none: the image of one map beside the scale of another would be a wrong map.
-Status WriteBoth(const std::string& image_path, const std::string& image, const std::string& yaml_path,
-                 const std::string& yaml) {
-  Result<FileReplacement> new_image = FileReplacement::Prepare(image_path, image);
-  if (!new_image.ok()) return new_image.error();
-  Result<FileReplacement> new_yaml = FileReplacement::Prepare(yaml_path, yaml);
-  if (!new_yaml.ok()) return new_yaml.error();
-  if (Status failure = new_image.value().Commit(); !failure.ok()) return failure;
-  return new_yaml.value().Commit();
-}
-
-// Rows from the largest y down, as pictures have them.
-// Unknown cells, which a map of a real robot has, do not occur: a world is known everywhere.
-std::string Pgm(const OccupancyGrid& grid) {
-  constexpr char kOccupied = 0;
-  constexpr char kFree = '\xfe';  // 254, as map_saver writes it
-  std::string image = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
-  image.reserve(image.size() + grid.occupied.size());
-  for (std::uint32_t row = grid.height; row-- > 0;) {
-    for (std::uint32_t column = 0; column < grid.width; ++column) {
-      image += grid.occupied[std::size_t{row} * grid.width + column] ? kOccupied : kFree;
-    }
-  }
-  return image;
-}
-
-// The thresholds are those of map_saver; with pixels of two values any others would read the same.
-std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
-  return fmt::format(
-      "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: "
-      "0.25\n",
-      image, grid.resolution, grid.origin_x, grid.origin_y);
-}
-
-// The grid is made last: it may take seconds, and what can fail without it has failed before.
-int ExportMapCommand(const ExportMapOptions& options) {
-  std::vector<OutputName> outputs;
-  for (const char* ending : {kImageEnding, kMapEnding}) outputs.push_back({"-o", options.output + ending});
-  if (options.lanes) outputs.push_back({"--lanes", options.output + kLanesEnding});
-  if (options.building) outputs.push_back({"--building", options.output + kBuildingEnding});
-  const auto inputs = [&] { return InputFilesOf(options.file, {}); };
-  if (Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return Fail(problem.error());
-  Result<LoadedWorld> loaded = LoadWorld(options.file, {});
-  if (!loaded.ok()) return Fail(loaded.error());
-  if (options.building) {
-    if (Status failure = WriteBuilding(options, loaded.value().site.get()); !failure.ok()) return Fail(failure.error());
-  }
-  if (options.lanes) {
-    if (Status failure = WriteLanes(options, loaded.value().site.get()); !failure.ok()) return Fail(failure.error());
-  }
-  const Scene scene(std::move(loaded.value().world));
-  const double height = options.height.value_or(UsualMapHeight(scene));
-  const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMaxCells);
-  if (grid.empty()) return Fail({{}, options.file + ": found no static model and no ROS map, so it has no map"});
-  const std::string image = options.output + kImageEnding;
-  const std::string name = std::filesystem::path(image).filename().string();
-  if (Status failure = WriteBoth(image, Pgm(grid), options.output + kMapEnding, Yaml(grid, name)); !failure.ok()) {
-    return Fail(failure.error());
-  }
-  PrintPlain(stdout, "{} x {} cells of {} m, at a height of {:.3g} m: {}.yaml\n", grid.width, grid.height,
-             grid.resolution, height, options.output);
-  return kExitDone;
-}
-
 }  // namespace
 
 void AddSnapshotCommand(CLI::App& app, int& exit_status) {
@@ -470,31 +369,6 @@ int SnapshotCommand(const SnapshotOptions& options) {
   const Status saved = camera ? simulation.SaveView(options.output, camera->robot, camera->sensor, image)
                               : simulation.SavePicture(options.output, picture_options, rays);
   return saved.ok() ? kExitDone : Fail(saved.error());
-}
-
-void AddExportMapCommand(CLI::App& app, int& exit_status) {
-  CLI::App* command = app.add_subcommand("export-map", "Write the map of a world as files for ROS's map_server");
-  auto options = std::make_shared<ExportMapOptions>();
-  AddWorldFile(*command, options->file);
-  command->add_option("-o,--output", options->output, "Name of the map: NAME.yaml and NAME.pgm are written")
-      ->required()
-      ->check(NotEmpty())
-      ->type_name("NAME");
-  command
-      ->add_option(
-          "--resolution", options->resolution,
-          fmt::format("Side of a cell in metres (default: that of the world's ROS map, or {})", kDefaultGridResolution))
-      ->check(PositiveNumber())
-      ->type_name("METRES");
-  command
-      ->add_option("--height", options->height,
-                   "Height of the horizontal section that is written, in metres (default: that of the lowest ranger)")
-      ->check(NumberFromZero())
-      ->type_name("METRES");
-  command->add_flag("--lanes", options->lanes, "Also write the lanes of a building as a layout (LIF), NAME.lif.json");
-  command->add_flag("--building", options->building,
-                    "Also write the building itself, in metres, as NAME.building.yaml of Open-RMF");
-  command->final_callback([options, &exit_status] { exit_status = ExportMapCommand(*options); });
 }
 
 }  // namespace troupe

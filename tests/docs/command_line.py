@@ -5,6 +5,7 @@ first example that does not do what it says.
 
 usage: command_line.py TROUPE ROOT     TROUPE: the program, ROOT: the source tree
 """
+import json
 import os
 import pathlib
 import pty
@@ -20,6 +21,7 @@ SECONDS = 60
 # Until Ctrl-C.
 WATCHED = {"troupe run office.world", "troupe view run.mcap", "troupe view --listen 0.0.0.0:8470 --view-only",
            "troupe edit office.world"}
+AT_A_BROKER = ("troupe fleet check --vda5050",)  # fleet_check_test runs these
 AT_A_TERMINAL = {"troupe teleop r0"}
 LIVE = ("troupe ctl", "troupe goto", "troupe teleop", "troupe top", "troupe view --listen")
 COMPLETIONS = {  # a command line, and some words of which each is offered, or is not (-)
@@ -148,9 +150,12 @@ def main():
         pathlib.Path("office.test.json").write_text(
             '{"scenario": "office.world", "ticks": 20, "vary": {"seed": {"range": [1, 3]}}, '
             '"expect": ["forall r: always speed(r) < 10 m/s"], "metrics": {"top speed": "max of speed(r)"}}')
+        pathlib.Path("fleet.jsonl").write_text(json.dumps({"time": 0, "topic": "uagv/v2/Acme/anna/connection", "payload": {
+            "headerId": 1, "timestamp": "2026-01-01T00:00:00.00Z", "version": "2.1.0", "manufacturer": "Acme", "serialNumber": "anna",
+            "connectionState": "ONLINE"}}) + "\n")
         pathlib.Path("a b.world").touch()
         for line in lines:
-            if not line.startswith(LIVE):
+            if not line.startswith(LIVE + AT_A_BROKER):
                 run(line)
         live = "exec troupe run office.world --headless --speed 20"
         with subprocess.Popen(["sh", "-c", live], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:

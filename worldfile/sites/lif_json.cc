@@ -247,16 +247,24 @@ class LayoutReader {
 
 }  // namespace
 
+std::vector<std::vector<std::string>> NodeIds(const Site& site) {
+  std::vector<std::vector<std::string>> ids = PlaceNames(site);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    for (std::size_t vertex = 0; vertex < ids[i].size(); ++vertex) {
+      if (ids[i][vertex].empty()) ids[i][vertex] = site.levels[i].name + "." + std::to_string(vertex);
+    }
+  }
+  return ids;
+}
+
 // The inverse, without what LIF has no key for: walls, doors and lifts. Each direction of a lane is an edge.
 std::string LayoutText(const Site& site, const std::string& timestamp) {
   using Json = nlohmann::ordered_json;
   Json layouts = Json::array();
-  const std::vector<std::vector<std::string>> names = PlaceNames(site);
+  const std::vector<std::vector<std::string>> ids = NodeIds(site);
   for (std::size_t i = 0; i < site.levels.size(); ++i) {
     const SiteLevel& level = site.levels[i];
-    const auto id = [&](std::size_t vertex) {
-      return names[i][vertex].empty() ? level.name + "." + std::to_string(vertex) : names[i][vertex];
-    };
+    const auto id = [&](std::size_t vertex) { return ids[i][vertex]; };
     std::map<std::size_t, std::set<std::uint32_t>> graphs;  // of vertices
     Json edges = Json::array();
     const auto add_edge = [&](const SiteLane& lane, bool is_back) {

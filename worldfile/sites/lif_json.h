@@ -7,6 +7,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/base/paths.h"
 #include "troupe/result.h"
@@ -25,8 +26,11 @@ Result<Site> ReadLayout(const std::string& path, const AllowedPaths& allowed = A
 // The same from text; `path` names it in messages.
 Result<Site> ReadLayoutText(const std::string& text, const std::string& path);
 
+// The ids of vertices, by level and number: the names of their places, or LEVEL.NUMBER.
+std::vector<std::vector<std::string>> NodeIds(const Site& site);
+
 // The vertices of lanes, the lanes and the docks of a site as such a text. The vehicle types are `graph_N`; nodes have
-// the names of their places, or LEVEL.NUMBER. Groups, doors, lifts and the other roles of vertices have no place in it.
+// their NodeIds. Groups, doors, lifts and the other roles of vertices have no place in it.
 // `timestamp`: of the export, as ISO 8601 in UTC.
 std::string LayoutText(const Site& site, const std::string& timestamp);
 
