@@ -20,7 +20,8 @@ std::optional<std::int64_t> TimeOf(const JsonNode& node) {
   if (node.is_string()) {
     // mosquitto_sub writes "Z+0000".
     const std::size_t twice = node.text.rfind("Z+");
-    return ParseTimestamp(twice == std::string::npos ? node.text : node.text.substr(0, twice) + node.text.substr(twice + 1));
+    return ParseTimestamp(twice == std::string::npos ? node.text
+                                                     : node.text.substr(0, twice) + node.text.substr(twice + 1));
   }
   if (!node.is_number() || !(std::abs(node.number) <= kLatestSeconds)) return std::nullopt;
   return std::llround(node.number * 1e3);

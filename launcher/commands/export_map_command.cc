@@ -95,10 +95,10 @@ std::vector<PlantVehicle> PlantVehiclesOf(const WorldDescription& world) {
 // The lanes with the vehicles for openTCS, beside its map.
 Status WritePlant(const ExportMapOptions& options, const LoadedWorld& loaded) {
   if (loaded.site == nullptr) {
-    return Error{{options.file}, "found no lanes, expected a building (.building.yaml), a layout, or a scenario in one"};
+    return Error{{options.file},
+                 "found no lanes, expected a building (.building.yaml), a layout, or a scenario in one"};
   }
-  return WriteWholeFile(options.output + kPlantEnding,
-                        PlantModelText(*loaded.site, PlantVehiclesOf(loaded.world)));
+  return WriteWholeFile(options.output + kPlantEnding, PlantModelText(*loaded.site, PlantVehiclesOf(loaded.world)));
 }
 
 // The whole site, beside its map.

@@ -81,7 +81,7 @@ def main():
         folder = pathlib.Path(name)
         model, points, paths = export(troupe, folder, ROOT / "worlds/sites/warehouse.lif.json")
         assert (len(points), len(paths)) == (5, 6) and points["rack_1"].get("positionY") == "4000", points
-        assert properties(points["rack_1"])["vda5050:mapId"] == "hall"
+        assert properties(points["rack_1"])["vda5050:mapId"] == "ground"
         places = {location.get("name"): location for location in model.iter("location")}
         assert places["shelf_a"].find("link").get("point") == "rack_1", places
         assert properties(places["shelf_a"])["vda5050:destinationAction.pick.parameter.stationName"] == "shelf_a"

@@ -85,8 +85,8 @@ class PlantWriter {
       const SiteVertex& point = level.vertices[vertex];
       names_.insert(ids_[i][vertex]);
       const bool is_park = point.is_charger || point.is_parking_spot;
-      points_ += fmt::format("  <point name=\"{}\" {} type=\"{}\">", XmlText(ids_[i][vertex]), PositionText(level, point),
-                             is_park ? "PARK_POSITION" : "HALT_POSITION");
+      points_ += fmt::format("  <point name=\"{}\" {} type=\"{}\">", XmlText(ids_[i][vertex]),
+                             PositionText(level, point), is_park ? "PARK_POSITION" : "HALT_POSITION");
       points_ +=
           "<maxVehicleBoundingBox length=\"1000\" width=\"1000\" height=\"1000\" referenceOffsetX=\"0\" "
           "referenceOffsetY=\"0\"/>";
@@ -144,7 +144,7 @@ class PlantWriter {
 
   const Site& site_;
   const std::vector<std::vector<std::string>> ids_;
-  std::map<std::size_t, std::set<std::size_t>> used_;                      // vertices with lanes, by level
+  std::map<std::size_t, std::set<std::size_t>> used_;                    // vertices with lanes, by level
   std::map<std::pair<std::size_t, std::size_t>, std::string> outgoing_;  // of level and vertex
   std::set<std::string> names_;
   std::string points_;

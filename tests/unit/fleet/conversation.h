@@ -71,7 +71,8 @@ class Conversation {
     // In a log time goes by with the messages of others.
     Connection other{SampleHeader(version_), ConnectionState::kOnline};
     other.header.serial_number = "bela";
-    log_.push_back({milliseconds_, TopicName{"uagv", MajorOf(version_), "Troupe", "bela", Topic::kConnection}.ToString(),
+    log_.push_back({milliseconds_,
+                    TopicName{"uagv", MajorOf(version_), "Troupe", "bela", Topic::kConnection}.ToString(),
                     Encode(other, version_)});
     Keep(CheckTime(checker_, milliseconds_, options_));
   }

@@ -7,8 +7,8 @@
 // Messages for the public schemas (schemas_test.py), those of the vehicle in the sequences among them: a line for each
 // with topic, version and text.
 //   fleet_sequences --conversations
-// A line for each version and rule: {"version", "rule", "broken": whether the version has the rule, "log": lines of a log
-// (message_log.h)}, and one without a rule, of a conversation that breaks none.
+// A line for each version and rule: {"version", "rule", "broken": whether the version has the rule, "log": lines of a
+// log (message_log.h)}, and one without a rule, of a conversation that breaks none.
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
