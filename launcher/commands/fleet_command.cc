@@ -1,4 +1,4 @@
-// `troupe fleet check`: the rules of VDA 5050 over the messages of a log or a broker. docs/vda5050.md is its manual.
+// `troupe fleet check`: the rules of VDA 5050 over the messages of a log, a recording or a broker. docs/vda5050.md is its manual.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -19,9 +19,12 @@
 #include "common/base/print.h"
 #include "fleet/check_report.h"
 #include "fleet/message_log.h"
+#include "fleet/vehicle_settings.h"
 #include "launcher/commands/commands.h"
 #include "launcher/process/process.h"
+#include "recording/recording.h"
 #include "transport/mqtt/mqtt_connections.h"
+#include "world-service/replay/replayed_world.h"
 
 namespace troupe {
 namespace {
@@ -73,6 +76,11 @@ class FleetChecker {
   }
   void Look(std::int64_t milliseconds) { Print(fleet::CheckTime(memory_, milliseconds, options_), {}); }
   void MissMessages() { fleet::MissMessages(memory_); }
+  // The run has gone back to an earlier state, and its vehicles count from there.
+  void GoBack() {
+    fleet::MissMessages(memory_);
+    for (auto& [name, record] : memory_.vehicles) record.senders = {};
+  }
 
   std::uint64_t messages() const { return memory_.messages; }
 
@@ -147,6 +155,71 @@ int CheckLog(const FleetCheckArguments& arguments) {
   return checker.Finish(arguments.junit, kExitDone);
 }
 
+// The topics of the robots that are vehicles; empty for others. Those of a spawned robot come behind the others.
+class RecordedTopics {
+ public:
+  explicit RecordedTopics(const WorldDescription& world) { Add(world); }
+
+  void Follow(const RecordedEdit& edit) {
+    if (!edit.world) return;
+    if (ReplacesWorld(edit.request)) topics_.clear();
+    Add(*edit.world);
+  }
+  std::string TopicOf(RobotId robot, FleetTopic topic) const {
+    if (robot.index() >= topics_.size() || topics_[robot.index()].empty()) return {};
+    return topics_[robot.index()] + "/" + NameOf(topic);
+  }
+
+ private:
+  void Add(const WorldDescription& world) {
+    for (const RobotDescription& robot : world.robots) {
+      const Result<fleet::VehicleSettings> settings =
+          robot.controller.name == "vda5050" ? fleet::ReadVehicleSettings(robot.controller.parameters, robot.name)
+                                             : Error{{}, "another controller"};
+      const std::string topic = settings.ok() ? settings.value().TopicOf("") : "";
+      topics_.push_back(topic.substr(0, topic.rfind('/')));
+    }
+  }
+
+  std::vector<std::string> topics_;  // without the last level
+};
+
+// Without a replay: the messages are inputs of ticks and parts of proposals. The messages to vehicles of a tick come
+// before those of vehicles, which are their answers.
+int CheckRecording(const FleetCheckArguments& arguments) {
+  const Result<Recording> recording = OpenToReplay(arguments.file);
+  if (!recording.ok()) return Fail(recording.error());
+  FleetChecker checker(arguments);
+  RecordedTopics topics(recording.value().run().world);
+  TickReader reader(recording.value());
+  RecordedTick tick;
+  std::optional<Error> damage;
+  for (;;) {
+    const Result<bool> next = reader.Next(tick);
+    if (!next.ok()) damage = next.error();
+    if (!next.ok() || !next.value()) break;
+    if (tick.edit) {
+      topics.Follow(*tick.edit);
+      if (ReplacesWorld(tick.edit->request)) checker.GoBack();
+    }
+    const auto milliseconds = static_cast<std::int64_t>(tick.log_time / 1'000'000);
+    const auto add = [&](RobotId robot, const std::vector<FleetMessage>& messages) {
+      for (const FleetMessage& message : messages) {
+        checker.Add({milliseconds, topics.TopicOf(robot, message.topic), message.text}, arguments.interface_name,
+                    fmt::format("{}: tick {}", arguments.file, tick.tick));
+      }
+    };
+    for (const RobotCommand& command : tick.commands) add(command.robot, command.messages);
+    for (const Proposal& proposal : tick.proposals) add(proposal.robot, proposal.fleet);
+    checker.Look(milliseconds);
+  }
+  if (checker.messages() == 0 && !damage) {
+    return Fail({{arguments.file}, "found no message of VDA 5050, expected a run with the controller vda5050"});
+  }
+  const int status = checker.Finish(arguments.junit, kExitDone);
+  return damage ? Fail(*damage) : status;
+}
+
 // The time of day at the begin, and from then on a clock that nobody sets.
 class SteadyTime {
  public:
@@ -216,7 +289,8 @@ int FleetCheckCommand(const FleetCheckArguments& arguments) {
   }
   if (const Status problem = CheckFleetOutputs(arguments); !problem.ok()) return Fail(problem.error());
   try {
-    return arguments.file.empty() ? CheckBroker(arguments) : CheckLog(arguments);
+    if (arguments.file.empty()) return CheckBroker(arguments);
+    return IsRecordingPath(arguments.file) ? CheckRecording(arguments) : CheckLog(arguments);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }
@@ -232,8 +306,8 @@ void AddFleetCommand(CLI::App& app, int& exit_status) {
   const auto arguments = std::make_shared<FleetCheckArguments>();  // lives as long as the command
   CLI::Option* const file = command
                                 ->add_option("FILE", arguments->file,
-                                             "A log of messages: JSON lines of time, topic and payload, as those of "
-                                             "'mosquitto_sub -F %j'")
+                                             "A recording (.mcap), or a log of messages: JSON lines of time, topic and payload, "
+                                             "as those of 'mosquitto_sub -F %j'")
                                 ->check(NotEmpty())
                                 ->type_name("");
   command

@@ -55,6 +55,9 @@ def main():
                 assert status == 130 and any("0 stalls" in line for line in lines), lines[-10:]
             status, lines = checker.finish()
         assert status == 130 and sum(line.endswith("no violation") for line in lines) == arguments.vehicles, lines
+        # The recording has the same messages.
+        done = subprocess.run([troupe, "fleet", "check", folder / "run.mcap"], capture_output=True, text=True, check=False)
+        assert done.returncode == 0 and done.stdout.count("no violation") == arguments.vehicles, done
         layout = json.loads((folder / "warehouse.lif.json").read_text())["layouts"][0]
         racks = {station["stationId"]: station["stationPosition"] for station in layout["stations"]}
         last = {job["to"] for i, job in enumerate(jobs) if all(job["to"] != later["from"] for later in jobs[i:])}
