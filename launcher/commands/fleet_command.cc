@@ -1,4 +1,5 @@
-// `troupe fleet check`: the rules of VDA 5050 over the messages of a log, a recording or a broker. docs/vda5050.md is its manual.
+// `troupe fleet check`: the rules of VDA 5050 over the messages of a log, a recording or a broker. docs/vda5050.md is
+// its manual.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -304,12 +305,13 @@ void AddFleetCommand(CLI::App& app, int& exit_status) {
   CLI::App* const command =
       fleet_command->add_subcommand("check", "Judge both sides by the rules of the standard, over their messages");
   const auto arguments = std::make_shared<FleetCheckArguments>();  // lives as long as the command
-  CLI::Option* const file = command
-                                ->add_option("FILE", arguments->file,
-                                             "A recording (.mcap), or a log of messages: JSON lines of time, topic and payload, "
-                                             "as those of 'mosquitto_sub -F %j'")
-                                ->check(NotEmpty())
-                                ->type_name("");
+  CLI::Option* const file =
+      command
+          ->add_option("FILE", arguments->file,
+                       "A recording (.mcap), or a log of messages: JSON lines of time, topic and payload, "
+                       "as those of 'mosquitto_sub -F %j'")
+          ->check(NotEmpty())
+          ->type_name("");
   command
       ->add_option("--vda5050-version", arguments->version,
                    "Of all messages: 2.0, 2.1 or 3.0 (default: of each vehicle the one that it states)")

@@ -87,7 +87,8 @@ def main():
         assert properties(places["shelf_a"])["vda5050:destinationAction.pick.parameter.stationName"] == "shelf_a"
         # Vehicles, and names that XML escapes.
         scenario = {"world": str(ROOT / "worlds/sites/warehouse.lif.json"), "robots": [
-            {"name": "a<&>", "model": "SiteRobot", "pose": [4, 0, 0]}, {"name": "busy", "model": "SiteRobot", "pose": [12, 0, 0], "controller": "wander"}]}
+            {"name": "a<&>", "model": "SiteRobot", "pose": [4, 0, 0]},
+            {"name": "busy", "model": "SiteRobot", "pose": [12, 0, 0], "controller": "wander"}]}
         (folder / "s.json").write_text(json.dumps(scenario))
         model, _, _ = export(troupe, folder, folder / "s.json")
         vehicles = {vehicle.get("name"): vehicle for vehicle in model.iter("vehicle")}
