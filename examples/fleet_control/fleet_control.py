@@ -22,6 +22,7 @@ from vehicles import Vehicle
 
 RESEND_SECONDS = 3.0    # without an answer of the vehicle
 RETRY_SECONDS = 5.0     # from a rejection to the next order
+SETTLED_SECONDS = 0.02  # without a message, before a decision
 CANDIDATES = 3          # vehicles that are tried for a job at once
 LOW, ENOUGH = 30.0, 80.0  # %: a vehicle with less charges at home, until it has enough
 REACH = 1.0             # m from a node at which a vehicle is first seen
@@ -274,11 +275,13 @@ class Connection:
                 self.client.reconnect()
             except OSError:
                 pass
-        # What has come at once is one situation.
-        before = -1
-        while self.came > before and self.came < 1000:
+        # What comes without a pause is one situation.
+        end = time.monotonic() + SETTLED_SECONDS
+        while self.came and time.monotonic() < end and self.came < 10_000:
             before = self.came
-            self.client.loop(0.0)
+            self.client.loop(SETTLED_SECONDS)
+            if self.came > before:
+                end = time.monotonic() + SETTLED_SECONDS
         return self.came > 0
 
 
