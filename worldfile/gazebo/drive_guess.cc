@@ -117,9 +117,8 @@ bool HasDrivePlugin(const RigidModel& model) {
 std::optional<double> LowestOf(const LinkPart& link) {
   std::optional<double> lowest;
   for (const SolidPart& part : link.collisions) {
-    for (const Block& block : BlocksOf(part.solid, link.T_ML * part.T_LS, SolidUse::kMoving).blocks) {
-      lowest = std::min(lowest.value_or(block.z.min), block.z.min);
-    }
+    const double low = LowestPoint(part.solid, link.T_ML * part.T_LS);
+    lowest = std::min(lowest.value_or(low), low);
   }
   return lowest;
 }

@@ -94,9 +94,8 @@ class NodeBuilder {
     const Transform3 T_BM = carriers_[0].T_MB.Inverse();
     for (const LinkPart& link : model_.links) {
       for (const SolidPart& part : link.collisions) {
-        for (const Block& block : BlocksOf(part.solid, T_BM * link.T_ML * part.T_LS, SolidUse::kMoving).blocks) {
-          lowest = std::min(lowest.value_or(block.z.min), block.z.min);
-        }
+        const double low = LowestPoint(part.solid, T_BM * link.T_ML * part.T_LS);
+        lowest = std::min(lowest.value_or(low), low);
       }
     }
     lowest_ = lowest.value_or(0.0);

@@ -9,7 +9,7 @@ namespace troupe {
 namespace {
 
 constexpr int kRoundSides = 32;
-constexpr int kRings = 8;           // of a half of a sphere
+constexpr int kRings = 6;           // of a half of a sphere
 constexpr double kThinnest = 1e-4;  // m, of a block's height
 // m: the footprint of a lower band says nothing, because its height is an error of less.
 constexpr double kLowBand = 0.01;
@@ -288,6 +288,21 @@ SolidBlocks HullsInBands(const std::vector<Vec3>& points, const std::vector<std:
     if (outline.ok()) made.blocks.push_back({std::move(outline).value(), {band.low, band.high}});
   }
   return made;
+}
+
+double LowestPoint(const SolidShape& solid, const Transform3& T) {
+  double lowest = std::numeric_limits<double>::infinity();
+  if (solid.kind == SolidShape::Kind::kMesh) {
+    for (const auto& t : solid.mesh->triangles) {
+      for (const std::uint32_t corner : t) {
+        const Vec3& p = solid.mesh->points[corner];
+        lowest = std::min(lowest, (T * Vec3{p.x * solid.size.x, p.y * solid.size.y, p.z * solid.size.z}).z);
+      }
+    }
+  } else {
+    for (const Vec3& p : PolyhedronOf(solid).points) lowest = std::min(lowest, (T * p).z);
+  }
+  return lowest;
 }
 
 SolidBlocks BlocksOf(const SolidShape& solid, const Transform3& T, SolidUse use) {

@@ -46,7 +46,10 @@ struct SolidBlocks {
 // sheet, have no block.
 SolidBlocks BlocksOf(const SolidShape& solid, const Transform3& T, SolidUse use);
 
-// The parts of it.
+// m: the lowest point of the solid.
+double LowestPoint(const SolidShape& solid, const Transform3& T);
+
+// The parts of BlocksOf.
 
 // The hulls in bands of the points and edges of triangles. For few points, as it goes over all edges for each band.
 SolidBlocks HullsInBands(const std::vector<Vec3>& points, const std::vector<std::array<std::uint32_t, 3>>& triangles,
