@@ -253,8 +253,7 @@ MoveSequence::Range MoveSequence::RestAt(std::uint32_t vertex, Position position
   return range;
 }
 
-void MoveSequence::FindFree(std::uint32_t lane, std::uint32_t to, const Range& within,
-                            std::vector<Range>& free) const {
+void MoveSequence::FindFree(std::uint32_t lane, std::uint32_t to, const Range& within, std::vector<Range>& free) const {
   free.clear();
   if (within.begin > within.end) return;
   free.push_back(within);

@@ -107,17 +107,17 @@ class MoveSequence {
   void Spread(std::uint32_t out);
 
   const TrafficGraph& graph_;
-  std::vector<std::uint32_t> places_;         // by row
-  std::vector<double> ready_;                 // by row
-  std::vector<double> busy_;                  // by lane
-  std::vector<double> groups_busy_;           // by group
-  std::vector<Move> all_;                     // by number; also those that have been taken out
-  List order_;                        // all moves
-  std::vector<List> moves_on_;                // by lane
-  std::vector<List> moves_to_;                // by direction
-  std::vector<List> moves_in_;                // by group
-  std::vector<List> moves_of_;                // by row
-  std::vector<std::vector<Range>> stays_;     // by vertex, ascending
+  std::vector<std::uint32_t> places_;      // by row
+  std::vector<double> ready_;              // by row
+  std::vector<double> busy_;               // by lane
+  std::vector<double> groups_busy_;        // by group
+  std::vector<Move> all_;                  // by number; also those that have been taken out
+  List order_;                             // all moves
+  std::vector<List> moves_on_;             // by lane
+  std::vector<List> moves_to_;             // by direction
+  std::vector<List> moves_in_;             // by group
+  std::vector<List> moves_of_;             // by row
+  std::vector<std::vector<Range>> stays_;  // by vertex, ascending
 };
 
 }  // namespace troupe

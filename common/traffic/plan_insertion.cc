@@ -30,8 +30,7 @@ void ForEachNext(const MoveSequence& sequence, const State& state, const Traffic
                  std::vector<MoveSequence::Range>& scratch, const Visit& visit) {
   const auto move_at = [&](MoveSequence::Position position) {
     const MoveSequence::Times times = sequence.TimesNear(exit.lane, position);
-    const double finish =
-        std::max({state.seconds, times.latest_finish, sequence.busy(exit.lane)}) + exit.seconds;
+    const double finish = std::max({state.seconds, times.latest_finish, sequence.busy(exit.lane)}) + exit.seconds;
     return std::pair(finish, delay_weight * std::max(0.0, finish - times.earliest_start));
   };
   sequence.FindFree(exit.lane, exit.to, {state.position, state.rest.end}, scratch);
@@ -119,7 +118,8 @@ std::optional<std::vector<MoveSequence::Step>> PlanInsertion::Find(const MoveSeq
     const auto left = static_cast<double>(seconds_to_goal[state.vertex]);
     if (left == MoveSequence::kNever || IsDone(state.vertex, state.rest.begin, state.position)) return;
     const double weight = visits_ - begun < kExactVisits ? 1.0 : kHaste;
-    open.push({state.delays + std::max(state.seconds + weight * left, least), left, state.position, static_cast<std::uint32_t>(states.size())});
+    open.push({state.delays + std::max(state.seconds + weight * left, least), left, state.position,
+               static_cast<std::uint32_t>(states.size())});
     states.push_back(state);
   };
   const std::uint32_t place = sequence.place(row);

@@ -291,8 +291,8 @@ TrafficGraph::Need TrafficGraph::NeedBetween(std::uint32_t lane, std::uint32_t f
   };
   Need need;
   for (const std::uint32_t vertex : lanes_[lane].near_vertices) {
-    const bool moves_apart = contains(vertices_[from].near, vertex) && !contains(vertices_[to].near, vertex) &&
-                             LeadsAway(from, to, vertex);
+    const bool moves_apart =
+        contains(vertices_[from].near, vertex) && !contains(vertices_[to].near, vertex) && LeadsAway(from, to, vertex);
     if (!moves_apart) need.vertices.push_back(vertex);
   }
   for (const std::uint32_t group : lanes_[lane].groups) {

@@ -137,7 +137,7 @@ class TrafficGraph {
   std::vector<std::uint32_t> first_lane_;          // likewise
   std::size_t group_count_ = 0;
   std::vector<std::vector<std::uint32_t>> vertices_of_groups_;
-  std::vector<Need> needs_;                           // by direction
+  std::vector<Need> needs_;                          // by direction
   std::vector<std::vector<std::uint32_t>> needing_;  // by vertex, directions
 };
 

@@ -115,9 +115,7 @@ class Planner {
   }
 
   // The present move of a robot: its first one in the plan; the end without one.
-  std::vector<TrafficMove>::iterator FindPresent(RobotId robot) const {
-    return FindMove(robot, plan_.moves.begin());
-  }
+  std::vector<TrafficMove>::iterator FindPresent(RobotId robot) const { return FindMove(robot, plan_.moves.begin()); }
   std::vector<TrafficMove>::iterator FindMove(RobotId robot, std::vector<TrafficMove>::iterator begin) const {
     return std::find_if(begin, plan_.moves.end(), [&](const TrafficMove& move) { return move.robot == robot; });
   }
@@ -344,10 +342,10 @@ class Planner {
   Tick tick_;
   TrafficPlan& plan_;
   std::vector<bool> closed_;
-  std::vector<std::uint32_t> rows_ = {};                             // by robot; kNone for one that takes no part
-  std::vector<std::vector<TrafficMove>::iterator> present_ = {};     // by row, of a robot that reports
-  std::vector<bool> is_made_ = {};                                   // by move
-  std::vector<std::optional<std::uint32_t>> waits_for_ = {};         // by row
+  std::vector<std::uint32_t> rows_ = {};                          // by robot; kNone for one that takes no part
+  std::vector<std::vector<TrafficMove>::iterator> present_ = {};  // by row, of a robot that reports
+  std::vector<bool> is_made_ = {};                                // by move
+  std::vector<std::optional<std::uint32_t>> waits_for_ = {};      // by row
   struct Stuck {
     RobotId robot;
     std::uint32_t at = 0;

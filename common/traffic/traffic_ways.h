@@ -29,14 +29,14 @@ namespace troupe {
 
 class TrafficWays {
  public:
-  static constexpr std::uint32_t kTurnTicks = 10;     // between two tries of a robot that waits for a way
+  static constexpr std::uint32_t kTurnTicks = 10;        // between two tries of a robot that waits for a way
   static constexpr std::size_t kMaxInsertions = 15'000;  // visits of vertices, after which others wait for their turn
-  static constexpr std::uint32_t kSearchTicks = 5;    // between two searches for ways past others
-  static constexpr std::size_t kMaxCandidates = 8;    // of a search
-  static constexpr std::size_t kMinOnWay = 3;         // robots for which others may be moved at a time
-  static constexpr std::size_t kFreePerRobot = 4;     // free vertices for one more of them
-  static constexpr double kTicksPerMove = 100.0;      // that a robot has waited count as much as a move
-  static constexpr std::size_t kMaxVisits = 100'000;  // of vertices, in the searches of a tick
+  static constexpr std::uint32_t kSearchTicks = 5;       // between two searches for ways past others
+  static constexpr std::size_t kMaxCandidates = 8;       // of a search
+  static constexpr std::size_t kMinOnWay = 3;            // robots for which others may be moved at a time
+  static constexpr std::size_t kFreePerRobot = 4;        // free vertices for one more of them
+  static constexpr double kTicksPerMove = 100.0;         // that a robot has waited count as much as a move
+  static constexpr std::size_t kMaxVisits = 100'000;     // of vertices, in the searches of a tick
   // For the oldest goal, once in a while, so that its way is found if there is one.
   static constexpr std::uint32_t kThoroughTicks = 100;
   static constexpr std::size_t kMaxThoroughVisits = 2'000'000;

@@ -164,7 +164,8 @@ constexpr ParameterHelp kWanderParameters[] = {
     {"min_distance", "number", "m", "1", 0.0, 1000.0, "It turns for obstacles ahead that are nearer"},
     {"front_angle", "number", "rad", "0.5", 0.0, kPi, "Obstacles within this angle of the heading are ahead"},
     {"back_off_time", "number", "s", "1", 0.0, 3600.0, "How long it backs off after a stall"},
-    {"steering_angle", "number", "rad", "0.5", 0.0, 0.5 * kPi, "Cars only: steering in a turn"}};
+    {"steering_angle", "number", "rad", "0.5", 0.0, 0.5 * kPi, "Cars only: steering in a turn"},
+    {"clearance", "number", "m", "0", 0.0, 100.0, "It keeps a circle of this radius about its origin clear; 0: none"}};
 
 constexpr ControllerHelp kControllers[] = {
     {"dynamic", "Drives to and fro: an obstacle that moves", kDynamicParameters},

@@ -85,7 +85,7 @@ Outcome RunCrowd() {
 }
 
 TEST(CoreRun, DescriptionHasItsKnownHash) {
-  EXPECT_EQ(Hash(Crowd()), 0x4b2d83862da2d471u);
+  EXPECT_EQ(Hash(Crowd()), 0x9452cdbeaaf7f503u);
 }
 
 TEST(CoreRun, StatesEventsAndRangesHaveTheirKnownHashes) {

@@ -89,7 +89,7 @@ WorldState InitialState(const Scene& scene);
 // Changes with every change of Step or of an edit that gives another result for the same input, as the golden hashes
 // do.
 // Recordings keep it.
-inline constexpr std::uint32_t kStepVersion = 6;
+inline constexpr std::uint32_t kStepVersion = 7;
 
 // Validates proposals from the network before they enter a step.
 // Success if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and,

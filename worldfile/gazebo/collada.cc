@@ -30,6 +30,13 @@ std::optional<std::vector<Number>> ListOf(std::string_view text) {
   return numbers;
 }
 
+// Of an element in the file: its line and column.
+using Place = std::pair<int, int>;
+
+Place PlaceOf(const XmlElement& element) {
+  return {element.line, element.column};
+}
+
 struct Geometry {
   std::vector<Vec3> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -160,7 +167,7 @@ class ColladaReader {
   void PlaceGeometry(const XmlElement& element, const Transform3& T, const std::string& name) {
     const XmlElement* const mesh = element.Find("mesh");
     if (mesh == nullptr || error_) return;
-    const auto [entry, is_new] = geometries_.try_emplace(mesh);
+    const auto [entry, is_new] = geometries_.try_emplace(PlaceOf(*mesh));
     if (is_new) entry->second = ReadGeometry(*mesh);
     const Geometry& geometry = entry->second;
     if (mesh_.triangles.size() + geometry.triangles.size() > kMaxMeshTriangles) {
@@ -200,7 +207,7 @@ class ColladaReader {
 
   Geometry ReadGeometry(const XmlElement& mesh) {
     Geometry geometry;
-    std::map<const XmlElement*, std::uint32_t> firsts;  // by source, its first point
+    std::map<Place, std::uint32_t> firsts;  // by source, its first point
     for (const XmlElement& primitive : mesh.children) {
       const bool is_polylist = primitive.name == "polylist";
       const bool is_fan = primitive.name == "polygons" || primitive.name == "trifans";
@@ -230,7 +237,7 @@ class ColladaReader {
         Fail(primitive, "found " + Quoted(primitive.name) + " without an input of positions, expected one");
         return geometry;
       }
-      const auto [first, is_new] = firsts.emplace(source, static_cast<std::uint32_t>(geometry.points.size()));
+      const auto [first, is_new] = firsts.emplace(PlaceOf(*source), static_cast<std::uint32_t>(geometry.points.size()));
       if (is_new) {
         const std::vector<Vec3> points = ReadPoints(*source);
         geometry.points.insert(geometry.points.end(), points.begin(), points.end());
@@ -294,7 +301,7 @@ class ColladaReader {
   const XmlElement& root_;
   const std::string& path_;
   std::map<std::string, const XmlElement*> ids_;
-  std::map<const XmlElement*, Geometry> geometries_;
+  std::map<Place, Geometry> geometries_;  // by mesh
   std::size_t placed_ = 0;
   TriangleMesh mesh_;
   std::optional<Error> error_;

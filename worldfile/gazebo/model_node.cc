@@ -108,7 +108,7 @@ class NodeBuilder {
   void FindCarriers() {
     std::map<std::string, const JointPart*> above;  // by child
     for (const JointPart& joint : model_.joints) above.emplace(joint.child, &joint);
-    std::map<const JointPart*, std::size_t> known;
+    std::map<std::size_t, std::size_t> known;  // carriers by their joints, numbered as in the model
     for (const LinkPart& link : model_.links) {
       std::vector<const JointPart*> moving;  // above the link, the lowest first
       std::set<std::string> seen;
@@ -118,7 +118,8 @@ class NodeBuilder {
       }
       std::size_t carrier = 0;
       for (auto joint = moving.rbegin(); joint != moving.rend(); ++joint) {
-        const auto [entry, is_new] = known.emplace(*joint, carriers_.size());
+        const auto number = static_cast<std::size_t>(*joint - model_.joints.data());
+        const auto [entry, is_new] = known.emplace(number, carriers_.size());
         if (is_new) {
           // Upright, at the joint, with the heading of the root.
           const Transform3 T_BJ = carriers_[0].T_MB.Inverse() * (*joint)->T_MJ;

@@ -134,6 +134,7 @@ WorldDescription WorldOfEachRow() {
   one(world.robots);
   world.robots[0].ros.domain = 5;
   one(world.robots[0].sensors);
+  one(world.robots[0].frames);
   RangerParameters ranger;
   one(ranger.ray_sensors.Change());
   one(ranger.ray_sensors.Change()[0].elevations);

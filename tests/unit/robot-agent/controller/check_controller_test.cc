@@ -66,8 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"idle", R"({"speed": 1})", "idle: found the key 'speed', expected none"},
         Case{"idle", R"({"speed": 1, "speed": 2})", "idle: 1:14: found the key 'speed' again, expected it once"},
         Case{"wander", R"({"sped": 1})",
-             "wander: found the key 'sped', expected one of back_off_time, front_angle, min_distance, speed, "
-             "steering_angle, turn_rate; did you mean 'speed'?"},
+             "wander: found the key 'sped', expected one of back_off_time, clearance, front_angle, min_distance, "
+             "speed, steering_angle, turn_rate; did you mean 'speed'?"},
         Case{"wandr", "{}",
              "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, "
              "follow, "

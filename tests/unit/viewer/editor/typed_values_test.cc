@@ -93,7 +93,7 @@ TEST(TypedValuesTest, HelpHasControllersAndColours) {
   const Json help = Applied(*editor, {{"op", "help"}});
   EXPECT_EQ(help["colors"]["red"], Json({255, 0, 0}));
   EXPECT_EQ(help["stage_controllers"]["expand_swarm"]["name"], "expand");
-  EXPECT_EQ(help["controllers"].size(), 20U);
+  EXPECT_EQ(help["controllers"].size(), 21U);
 }
 
 // A library in a folder of STAGEPATH.

@@ -51,6 +51,7 @@ RobotDescription RandomMessages::RandomRobot(ModelId root, const std::string& na
   robot.name = name;
   robot.root = root;
   robot.ros.domain.reset();  // one robot has it
+  for (MountedFrame& frame : robot.frames) frame.model = root;
   TwistBounds& acceleration = robot.drive.acceleration;
   for (Interval* bound : {&acceleration.x, &acceleration.y, &acceleration.heading}) {
     *bound = {Number(-9.0, 0.0), Number(0.0, 9.0)};
