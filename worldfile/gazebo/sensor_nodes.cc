@@ -35,7 +35,7 @@ std::string FindText(const XmlElement& sensor, std::initializer_list<const char*
   }
   for (const XmlElement& child : sensor.children) {
     if (child.name != "plugin") continue;
-    if (const std::string text = FindText(child, names); !text.empty()) return text;
+    if (std::string text = FindText(child, names); !text.empty()) return text;
   }
   return "";
 }

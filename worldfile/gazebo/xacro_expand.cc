@@ -328,7 +328,7 @@ class XacroExpander {
       }
       if (end >= text.size()) return Error{{}, "found " + Quoted(text.substr(at)) + " without its end"};
       const std::string inner = text.substr(at + 2, end - at - 2);
-      const Result<ExpressionValue> value =
+      Result<ExpressionValue> value =
           open == '{' ? Expression(inner, file, scope, depth) : Command(inner, file, scope, depth);
       if (!value.ok()) return value;
       if (at == 0 && end + 1 == text.size()) return value;
@@ -344,7 +344,7 @@ class XacroExpander {
                                      int depth) {
     std::string text = written;
     if (text.find('$') != std::string::npos) {
-      const Result<ExpressionValue> replaced = Substitute(written, file, scope, depth + 1);
+      Result<ExpressionValue> replaced = Substitute(written, file, scope, depth + 1);
       if (!replaced.ok()) return replaced;
       text = ToText(replaced.value());
     }
@@ -360,7 +360,7 @@ class XacroExpander {
   }
 
   Result<ExpressionValue> Command(const std::string& inner, const std::string& file, XacroScope& scope, int depth) {
-    const Result<ExpressionValue> replaced = Substitute(inner, file, scope, depth + 1);
+    Result<ExpressionValue> replaced = Substitute(inner, file, scope, depth + 1);
     if (!replaced.ok()) return replaced;
     const std::vector<std::string> words = ParameterWords(ToText(replaced.value()));
     const std::string word = words.empty() ? "" : words[0];
