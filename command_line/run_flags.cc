@@ -78,8 +78,9 @@ CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
            const char* const known = std::getenv(kModelPathVariable);
            std::string path = known != nullptr ? known : "";
            for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) {
-             const std::string absolute = std::filesystem::absolute(*folder).lexically_normal().string();
-             path = path.empty() ? absolute : absolute + ":" + path;
+             std::string absolute = std::filesystem::absolute(*folder).lexically_normal().string();
+             if (!path.empty()) absolute.append(":").append(path);
+             path = std::move(absolute);
            }
            setenv(kModelPathVariable, path.c_str(), 1);
          },

@@ -113,7 +113,7 @@ class XmlParser {
       SkipBehind(">", "a document type");
       return;
     }
-    const std::size_t closed = text_.find("]", subset);
+    const std::size_t closed = text_.find(']', subset);
     const std::size_t entity = text_.find("<!ENTITY", subset);
     if (entity != std::string_view::npos && entity < closed) {
       Advance(entity);
