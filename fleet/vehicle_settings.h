@@ -24,7 +24,7 @@ struct VehicleSettings {
   double turn_rate = 0.8;               // rad/s
   double tolerance = 0.1;               // m: of nodes without a deviation, and of the first node of an order
   double heading_tolerance = 0.05;      // rad: of nodes with an orientation and without a deviation
-  double gap = 0.2;                     // m, that it keeps to what is ahead
+  double gap = 0.2;                     // m, its distance to the next obstacle ahead
   double blocked_after = 3.0;           // s at rest before something in the way, until it is an error
   double load_time = 3.0;               // s, of a hand-over
   double minimum_state_interval = 0.0;  // s

@@ -118,7 +118,7 @@ void TrafficWays::InsertWays(std::span<const std::uint32_t> order, Tick tick) {
   for (const std::uint32_t row : order) {
     const TrafficRobot& robot = robots_[row];
     const bool has_turn = robot.since == tick || (tick + robot.robot.index()) % kTurnTicks == 0;
-    if (has_turn && insertion.visits() < kMaxInsertions) has_no_way_[row] = !insert(row);
+    if (has_turn && insertion.visits() < kMaxInsertionVisits) has_no_way_[row] = !insert(row);
   }
   if (!robots_.empty()) {
     const auto row = static_cast<std::uint32_t>(tick % robots_.size());

@@ -9,8 +9,8 @@
 // In each tick one robot has its way planned anew, among those of the others as they are by then: delays would else add
 // up. All of it keeps the sequence possible; the first move can always be made.
 //
-// A pure function of its arguments. Cost of a tick: a look at each move; an insertion for each robot with a new goal,
-// and some others; every kSearchTicks, kMaxCandidates searches.
+// A pure function of its arguments. Cost of a tick: a look at each move; insertions for robots with new goals, and
+// some others, up to kMaxInsertionVisits; every kSearchTicks, kMaxCandidates searches.
 #pragma once
 
 #include <cstdint>
@@ -29,14 +29,14 @@ namespace troupe {
 
 class TrafficWays {
  public:
-  static constexpr std::uint32_t kTurnTicks = 10;        // between two tries of a robot that waits for a way
-  static constexpr std::size_t kMaxInsertions = 15'000;  // visits of vertices, after which others wait for their turn
-  static constexpr std::uint32_t kSearchTicks = 5;       // between two searches for ways past others
-  static constexpr std::size_t kMaxCandidates = 8;       // of a search
-  static constexpr std::size_t kMinOnWay = 3;            // robots for which others may be moved at a time
-  static constexpr std::size_t kFreePerRobot = 4;        // free vertices for one more of them
-  static constexpr double kTicksPerMove = 100.0;         // that a robot has waited count as much as a move
-  static constexpr std::size_t kMaxVisits = 100'000;     // of vertices, in the searches of a tick
+  static constexpr std::uint32_t kTurnTicks = 10;             // between two tries of a robot that waits for a way
+  static constexpr std::size_t kMaxInsertionVisits = 15'000;  // of vertices, after which others wait
+  static constexpr std::uint32_t kSearchTicks = 5;            // between two searches for ways past others
+  static constexpr std::size_t kMaxCandidates = 8;            // of a search
+  static constexpr std::size_t kMinOnWay = 3;                 // robots for which others may be moved at a time
+  static constexpr std::size_t kFreePerRobot = 4;             // free vertices for one more of them
+  static constexpr double kTicksPerMove = 100.0;              // that a robot has waited count as much as a move
+  static constexpr std::size_t kMaxVisits = 100'000;          // of vertices, in the searches of a tick
   // For the oldest goal, once in a while, so that its way is found if there is one.
   static constexpr std::uint32_t kThoroughTicks = 100;
   static constexpr std::size_t kMaxThoroughVisits = 2'000'000;

@@ -194,7 +194,7 @@ class FleetControl:
         return task.is_low
 
     def _start(self, place, now):
-        """A new order for a vehicle that stands at the end of what is granted to it."""
+        """A new order for a vehicle that stands at the end of its granted route."""
         vehicle, task, traveller = self.vehicles[place], self.tasks[place], self.traffic.travellers[place]
         if task.kind == "lost":
             if now < task.retry_at or vehicle.state["nodes"] > 0 or vehicle.instant:

@@ -46,7 +46,7 @@ class Traffic:
         return bits
 
     def find_route(self, name, stops):
-        """From the end of what is granted over the stops to the home, and the indices of the stops; None if there is none."""
+        """From the end of the granted route over the stops to the home, and the indices of the stops; None if there is none."""
         traveller, forbidden = self.travellers[name], self.homes_of_others(name)
         route, indices = [traveller.route[traveller.base]], []
         for stop in [*stops, traveller.home]:
@@ -66,7 +66,7 @@ class Traffic:
         self._hold(traveller)
 
     def take_route(self, name, route):
-        """Replaces what is not granted of the route. False, without effect, if vehicles could come to wait for each other."""
+        """Replaces the part of the route that is not granted. False, without effect, if vehicles could come to wait for each other."""
         traveller = self.travellers[name]
         before = traveller.route, traveller.base, traveller.at, traveller.needs
         traveller.route = traveller.route[:traveller.base] + route
@@ -77,14 +77,14 @@ class Traffic:
         return False
 
     def start_here(self, name):
-        """The route begins at the end of what is granted, where the vehicle is."""
+        """The route begins at the end of its granted part, where the vehicle is."""
         traveller = self.travellers[name]
         traveller.route, traveller.needs = traveller.route[traveller.base:], traveller.needs[traveller.base:]
         traveller.at = traveller.base = 0
         self._hold(traveller)
 
     def pass_node(self, name, index):
-        """The vehicle has passed the nodes up to that one, and given what is behind it."""
+        """The vehicle has passed the nodes up to that one, and given those behind it back."""
         traveller = self.travellers[name]
         traveller.at = max(traveller.at, min(index, traveller.base))
         self._hold(traveller)

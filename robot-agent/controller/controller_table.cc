@@ -152,7 +152,7 @@ constexpr ParameterHelp kVda5050Parameters[] = {
     {"turn_rate", "number", "rad/s", "0.8", 0.01, 100.0, "On edges without one, within the bounds of the drive"},
     {"tolerance", "number", "m", "0.1", 0.01, 100.0, "Of nodes without a deviation"},
     {"heading_tolerance", "number", "rad", "0.05", 0.01, 3.2, "Of nodes with an orientation"},
-    {"gap", "number", "m", "0.2", 0.0, 100.0, "That it keeps to what is ahead"},
+    {"gap", "number", "m", "0.2", 0.0, 100.0, "Its distance to the next obstacle ahead"},
     {"blocked_after", "number", "s", "3", 0.0, 3600.0, "At rest before an obstacle, until it is an error"},
     {"load_time", "number", "s", "3", 0.0, 3600.0, "Of a hand-over"},
     {"state_interval", "number", "s", "30", 0.1, 30.0, "A state is sent at the latest"},

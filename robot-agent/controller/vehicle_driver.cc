@@ -23,7 +23,7 @@ constexpr double kLookOnCurve = 0.8;   // m, straight ahead on a curve
 constexpr double kStopMargin = 0.02;   // m, beyond the place where it stops
 
 double AngleBetween(const Vec2& a, const Vec2& b) {
-  return std::fabs(Atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)));
+  return std::fabs(Atan2(Cross(a, b), a.dot(b)));
 }
 
 // An action for which the vehicle stands waits at the node or the edge.

@@ -1,7 +1,7 @@
 // The frames on a robot, on tf below its base and in its URDF. P: a parent frame, F: a frame on it.
 // All poses are constant: what moves is a joint's position. A robot of a URDF or an SDF file keeps the frames of its
-// links, each as a child of what moves it: the base, or a joint's frame. They come from the scene, as the physics has
-// them, so that a scan, a transform and the picture of RViz agree to the bit.
+// links, each as a child of the base or of the joint's frame that moves it. They come from the scene, as the physics
+// has them, so that a scan, a transform and the picture of RViz agree to the bit.
 #pragma once
 
 #include <string>

@@ -25,11 +25,9 @@ bool HasPlaces(const WorldDescription& world, const TrafficPlan& plan) {
 }
 
 bool Fits(const TrafficGraph& graph, const TrafficPlan& plan) {
-  std::vector<RobotId> robots;
-  for (const TrafficRobot& robot : plan.robots) robots.push_back(robot.robot);
   const auto has_move = [&](const TrafficMove& move) {
     return move.lane < graph.lanes() && (move.to == graph.start(move.lane) || move.to == graph.end(move.lane)) &&
-           std::binary_search(robots.begin(), robots.end(), move.robot);
+           std::ranges::binary_search(plan.robots, move.robot, {}, &TrafficRobot::robot);
   };
   const auto has_lane = [&](const LaneClosure& closure) { return closure.lane < graph.lanes(); };
   return std::all_of(plan.moves.begin(), plan.moves.end(), has_move) &&

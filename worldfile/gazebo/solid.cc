@@ -195,7 +195,7 @@ Polygon Thickened(Polygon hull) {
   return {a - aside, b - aside, b + aside, a + aside};
 }
 
-// A band of heights with the hull of what is in it.
+// A band of heights with the hull of the solid in it.
 struct Band {
   double low = 0.0;
   double high = 0.0;

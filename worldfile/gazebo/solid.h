@@ -1,7 +1,7 @@
 // Solids in space as prisms of 2.5D: blocks that a robot drives around and a ray hits.
 //
-// A solid is cut into bands of heights; in each band its block is the convex hull of what is there, so that a block is
-// never smaller than the solid, and larger by a measured bound: the greatest distance between the block and the
+// A solid is cut into bands of heights; in each band its block is the convex hull of the solid there, so that a block
+// is never smaller than the solid, and larger by a measured bound: the greatest distance between the block and the
 // solid's own section at the bottom or the top of its band. Bands are halved where the bound is greatest until it is
 // small enough, the band is lower than 1 cm, or there are too many. An upright box, cylinder or prism is one block,
 // with a bound of 0. Round outlines are polygons of 32 corners with the area of the circle: within half a percent of

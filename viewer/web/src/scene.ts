@@ -35,7 +35,7 @@ const MARGIN = 0.04;  // of the picture, around the whole world
 const LOW_VIEW = 0.92;  // rad from above, of the whole world in the orbit view
 const HIGH_VIEW = 0.5;  // the same in a picture that would be empty above and below the world
 const FILLED = 0.72;  // of the picture's height, with which it is not
-const RING_WIDTH = 3;  // px, of the mark of what is selected
+const RING_WIDTH = 3;  // px, of the mark of the selection
 const RING_PARTS = 48;
 const TURN = 0.09;  // rad of the camera for a key
 const SHIFT = 0.06;  // of the picture's height, the same
@@ -417,7 +417,7 @@ export class WorldScene {
     return this.canvas.toDataURL('image/png');
   }
 
-  // The mark of what is selected is equally wide on the screen for all sizes and distances.
+  // The mark of the selection is equally wide on the screen for all sizes and distances.
   private fitRing(): void {
     if (!this.ring.visible) return;
     const width = RING_WIDTH * this.pixelAt(this.ring.position);

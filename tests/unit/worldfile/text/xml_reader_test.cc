@@ -1,4 +1,4 @@
-// XML texts: places, references, and what is refused.
+// XML texts: places, references, and texts that are refused.
 #include "worldfile/text/xml_reader.h"
 
 #include <gtest/gtest.h>
