@@ -33,6 +33,8 @@ std::optional<std::size_t> CountRows(const WorldDescription& world, const Device
   if constexpr (std::is_same_v<Row, ZoneState>) return world.zones.size();
   if constexpr (std::is_same_v<Row, CoverageState>) return CountCoverage(world);
   if constexpr (std::is_same_v<Row, FlowState>) return world.flows.size();
+  if constexpr (std::is_same_v<Row, VisitorState>) return world.visitors.size();
+  if constexpr (std::is_same_v<Row, VisitorFlowState>) return world.visitor_flows.size();
   return std::nullopt;
 }
 
@@ -199,6 +201,9 @@ WorldState PlacedState(const WorldDescription& world) {
   for (const PersonDescription& person : world.people) {
     state.people.push_back({.X_WP = world.model(person.root).X_PM, .goals = person.goals});
   }
+  state.visitors.resize(world.visitors.size());
+  state.visitor_flows.resize(world.visitor_flows.size());
+  for (const VisitorDescription& visitor : world.visitors) state.people[visitor.person.index()].X_WP.z = kAwayZ;
   for (const ZoneDescription& zone : world.zones) state.zones.push_back({.is_on = zone.is_on});
   state.coverage.resize(CountCoverage(world));
   for (std::size_t i = 0; i < world.flows.size(); ++i) {

@@ -212,6 +212,38 @@ Status CheckPerson(const WorldDescription& world, std::size_t index) {
   return world.person(*person.leader).leader ? BadInput("its leader follows another person") : Status();
 }
 
+Status CheckVisitorFlow(const VisitorFlow& flow) {
+  if (flow.times.empty() || flow.times.front() != 0.0) return BadInput("its time table does not begin at 0");
+  if (flow.per_hour.size() != flow.times.size()) return BadInput("it has rates of some of its times only");
+  if (!std::is_sorted(flow.times.begin(), flow.times.end(), std::less_equal<>())) {
+    return BadInput("the times of its table do not ascend");
+  }
+  const bool is_within = std::all_of(flow.per_hour.begin(), flow.per_hour.end(),
+                                     [](double rate) { return rate >= 0.0 && rate <= kMaxVisitorsPerHour; });
+  return is_within ? Status() : BadInput("one of its rates is beyond the bounds");
+}
+
+Status CheckVisitor(const WorldDescription& world, std::size_t index) {
+  const VisitorDescription& visitor = world.visitors[index];
+  if (index > 0 && !(world.visitors[index - 1].person < visitor.person)) {
+    return BadInput("it is not in the order of the people");
+  }
+  if (visitor.flow && *visitor.flow >= world.visitor_flows.size()) return BadInput("its flow does not exist");
+  if (visitor.track.size() != visitor.track_times.size()) return BadInput("it has times of some of its positions only");
+  if (!std::is_sorted(visitor.track_times.begin(), visitor.track_times.end(), std::less_equal<>())) {
+    return BadInput("the times of its positions do not ascend");
+  }
+  return Status();
+}
+
+Status CheckExits(const WorldDescription& world) {
+  for (std::size_t i = 0; i < world.exits.size(); ++i) {
+    if (world.exits[i] >= world.goal_sets.size()) return BadInput("found an exit that is no goal set");
+    if (i > 0 && world.exits[i - 1] >= world.exits[i]) return BadInput("found exits that do not ascend");
+  }
+  return Status();
+}
+
 Status CheckNames(const WorldDescription& world) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
@@ -277,6 +309,14 @@ Status Validate(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.people.size(); ++i) {
     if (Status error = InPart(CheckPerson(world, i), "person", i); !error.ok()) return error;
   }
+  for (std::size_t i = 0; i < world.visitor_flows.size(); ++i) {
+    const VisitorFlow& flow = world.visitor_flows[i];
+    if (Status error = InPart(CheckVisitorFlow(flow), "flow of visitors", i, flow.name); !error.ok()) return error;
+  }
+  for (std::size_t i = 0; i < world.visitors.size(); ++i) {
+    if (Status error = InPart(CheckVisitor(world, i), "visitor", i); !error.ok()) return error;
+  }
+  if (Status error = CheckExits(world); !error.ok()) return error;
   if (Status error = ValidateSite(world); !error.ok()) return error;
   return CheckAreas(world);
 }

@@ -61,6 +61,22 @@ std::optional<RobotId> FindRobot(const WorldDescription& world, const std::strin
   return std::nullopt;
 }
 
+std::optional<std::size_t> FindVisitor(const WorldDescription& world, PersonId person) {
+  const auto found = std::lower_bound(world.visitors.begin(), world.visitors.end(), person,
+                                      [](const VisitorDescription& visitor, PersonId id) { return visitor.person < id; });
+  if (found == world.visitors.end() || found->person != person) return std::nullopt;
+  return static_cast<std::size_t>(found - world.visitors.begin());
+}
+
+Vec2 TrackAt(const VisitorDescription& visitor, double seconds) {
+  const auto next = std::upper_bound(visitor.track_times.begin(), visitor.track_times.end(), seconds);
+  if (next == visitor.track_times.begin()) return visitor.track.front();
+  if (next == visitor.track_times.end()) return visitor.track.back();
+  const auto i = static_cast<std::size_t>(next - visitor.track_times.begin());
+  const double part = (seconds - visitor.track_times[i - 1]) / (visitor.track_times[i] - visitor.track_times[i - 1]);
+  return visitor.track[i - 1] + part * (visitor.track[i] - visitor.track[i - 1]);
+}
+
 std::vector<ModelId> FindStores(const WorldDescription& world) {
   std::vector<ModelId> stores;
   for (std::size_t i = 0; i < world.models.size(); ++i) {

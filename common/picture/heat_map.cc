@@ -13,7 +13,7 @@ void HeatMap::Add(const WorldDescription& world, const WorldState& state) {
     }
   } else if (kind_ == HeatKind::kPeople) {
     for (std::size_t i = 0; i < state.people.size(); ++i) {
-      if (!world.model(world.people[i].root).removed) Count(state.people[i].X_WP);
+      if (!world.model(world.people[i].root).removed && !IsAway(state.people[i])) Count(state.people[i].X_WP);
     }
   } else {
     for (const RobotWait& wait : state.waits) {

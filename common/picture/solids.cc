@@ -79,6 +79,7 @@ std::vector<Solid> CollectSolids(const WorldDescription& world, const WorldState
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const ModelDescription& model = world.models[i];
+    if (IsAway(X_WM[i])) continue;
     if (model.parent) robot_of[i] = robot_of[model.parent->index()];
     const Shape& shape = world.shape(model.shape);
     const bool map = !robot_of[i] && (!shape.rectangles.empty() || shape.area) && !model.gripper_return;

@@ -183,6 +183,8 @@ void AddOfPeople(StateTable& table) {
                     const PersonState& person = view.state.people[row];
                     return std::sqrt(person.vx * person.vx + person.vy * person.vy);
                   });
+  table.AddTruth("present", "it is in the world; false for a visitor that is away",
+                 [](const SignalView& view, std::size_t row) { return !IsAway(view.state.people[row]); });
   AddLevel(table, [](const WorldState& state, std::size_t row) { return state.people[row].X_WP.z; });
   table.Add(FloorSignal("the floor to which it rides", [](const WorldState& state, std::size_t row) {
     return std::pair(std::size_t{state.people[row].lift}, state.people[row].floor);

@@ -186,6 +186,20 @@ Names NamesOf(const WorldDescription& world, const std::vector<FlowState>&) {
   return names;
 }
 
+Names NamesOf(const WorldDescription& world, const std::vector<VisitorState>&) {
+  Names names;
+  for (const VisitorDescription& visitor : world.visitors) {
+    const ModelId root = world.person(visitor.person).root;
+    names.push_back({world.model(root).name, root});
+  }
+  return names;
+}
+Names NamesOf(const WorldDescription& world, const std::vector<VisitorFlowState>&) {
+  Names names;
+  for (const VisitorFlow& flow : world.visitor_flows) names.push_back({flow.name});
+  return names;
+}
+
 bool HasValue(const Signal& signal, const SignalView& view, std::size_t row) {
   if (signal.type == ValueType::kText) return !signal.text(view, row).empty();
   return !std::isnan(signal.number(view, row));

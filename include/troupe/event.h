@@ -50,14 +50,17 @@ enum class EventType : std::uint8_t {
   kDeadlockBroken = 31,  // the robot goes on; the robots `detail` had waited for each other
   kReplanned = 32,       // the robot has met `other` on a lane, which is closed for a time; `detail` names it
   kNoWay = 33,           // the robot has had no way to its goal for 10 s; `detail` names the goal
+  // Of visitors (VisitorDescription): `object` is the root of the person.
+  kPersonEntered = 34,  // the person has come into the world
+  kPersonLeft = 35,     // it has left the world
 };
 // The events of doors, lifts and people: they are frequent, and summaries count them instead of telling each.
 constexpr bool IsOfBuilding(EventType type) {
-  return type >= EventType::kDoorOpened && type <= EventType::kDelivered;
+  return (type >= EventType::kDoorOpened && type <= EventType::kDelivered) || type >= EventType::kPersonEntered;
 }
 // The events of robots on their ways, which are frequent, too.
 constexpr bool IsOfTraffic(EventType type) {
-  return type >= EventType::kWaitBegan;
+  return type >= EventType::kWaitBegan && type <= EventType::kNoWay;
 }
 constexpr auto NamesOf(EventType) {
   return std::array{
@@ -66,7 +69,7 @@ constexpr auto NamesOf(EventType) {
       "reported",      "door_opened",     "door_closed",     "door_blocked",   "lift_left",         "lift_arrived",
       "lift_blocked",  "person_boarded",  "person_alighted", "person_arrived", "lift_overloaded",   "lane_switched",
       "zone_switched", "goods_arrived",   "goods_refused",   "goods_loaded",   "delivered",         "wait_began",
-      "wait_ended",    "deadlock_broken", "replanned",       "no_way"};
+      "wait_ended",    "deadlock_broken", "replanned",       "no_way",          "person_entered",  "person_left"};
 }
 
 struct Event {

@@ -89,4 +89,48 @@ struct PersonDescription {
   }
 };
 
+// People that come at a rate, each with the next free body among the visitors of the flow.
+struct VisitorFlow {
+  std::string name;
+  std::vector<double> times;
+  std::vector<double> per_hour;
+  bool is_random = true;
+  bool operator==(const VisitorFlow&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &VisitorFlow::name},
+        Field{"times", &VisitorFlow::times, "of the time table, ascending from 0"}.In("s"),
+        Field{"per_hour", &VisitorFlow::per_hour, "groups or single people that come, from each of these times on"},
+        Field{"random", &VisitorFlow::is_random, "they come at random times, drawn by the seed; else evenly"},
+    };
+  }
+};
+inline constexpr double kMaxVisitorsPerHour = 36'000.0;
+
+// A person that is not in the world all the time: it enters at the pose of its model at load, and leaves at an exit
+// (WorldDescription::exits). While it is away, its body is far below the world (IsAway).
+struct VisitorDescription {
+  PersonId person;
+  std::optional<std::uint32_t> flow = {};
+  double enters_at = 0.0;
+  std::vector<Vec2> track = {};
+  std::vector<double> track_times = {};
+  bool operator==(const VisitorDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"person", &VisitorDescription::person},
+        Field{"flow", &VisitorDescription::flow,
+              "with which it comes, in WorldDescription::visitor_flows; none: once, at a time"},
+        Field{"enters_at", &VisitorDescription::enters_at, "simulated, of one without a flow"}.In("s").AtLeast(0),
+        Field{"track", &VisitorDescription::track, "recorded positions in W, which it follows; none: it has goals"}.In(
+            "m"),
+        Field{"track_times", &VisitorDescription::track_times, "of these, ascending; it leaves after the last"}.In("s"),
+    };
+  }
+};
+
+// The position at a time on a track, m in W: straight between its points, at rest before and after them. REQUIRES: the
+// visitor has a track.
+Vec2 TrackAt(const VisitorDescription& visitor, double seconds);
+
 }  // namespace troupe

@@ -473,6 +473,9 @@ struct WorldDescription {
   std::vector<GoodsFlow> flows = {};
   std::vector<TimedAction> timed_actions = {};
   std::vector<LaneTrip> lane_trips = {};
+  std::vector<VisitorFlow> visitor_flows = {};
+  std::vector<VisitorDescription> visitors = {};
+  std::vector<std::uint32_t> exits = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
@@ -506,6 +509,9 @@ struct WorldDescription {
         Field{"flows", &WorldDescription::flows},
         Field{"timed_actions", &WorldDescription::timed_actions, "ascending by their times"},
         Field{"lane_trips", &WorldDescription::lane_trips, "of robots, ascending"},
+        Field{"visitor_flows", &WorldDescription::visitor_flows},
+        Field{"visitors", &WorldDescription::visitors, "ascending by their people"},
+        Field{"exits", &WorldDescription::exits, "goal sets at whose points people leave the world; ascending"},
     };
   }
 };
@@ -524,6 +530,9 @@ std::optional<std::size_t> FindDoor(const WorldDescription& world, const std::st
 
 // The lift called `name`, by its number, if there is one.
 std::optional<std::size_t> FindLift(const WorldDescription& world, const std::string& name);
+
+// The row of a person among the visitors, if it is one.
+std::optional<std::size_t> FindVisitor(const WorldDescription& world, PersonId person);
 
 // Checks the invariants above. For input from a peer; loaders guarantee them.
 Status Validate(const WorldDescription& world);

@@ -229,6 +229,43 @@ struct PersonState {
   void EndRide() { lift = floor = call_tick = place = boarding_ticks = 0; }
 };
 
+// People that are away are this far below the world: no level, sensor or body is there.
+inline constexpr double kAwayZ = -500'000.0;  // m
+
+// The person is not in the world: it has not come yet, or has left (VisitorDescription).
+constexpr bool IsAway(const Pose& X_WP) {
+  return X_WP.z < 0.5 * kAwayZ;
+}
+constexpr bool IsAway(const PersonState& person) {
+  return IsAway(person.X_WP);
+}
+
+// A person that is not in the world all the time.
+struct VisitorState {
+  bool is_due = false;
+  std::uint32_t visits = 0;
+  bool operator==(const VisitorState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"due", &VisitorState::is_due, "it enters as soon as there is room"},
+        Field{"visits", &VisitorState::visits, "so far, the present one included"},
+    };
+  }
+};
+
+// The people of a VisitorFlow so far.
+struct VisitorFlowState {
+  std::uint32_t came = 0;
+  std::uint32_t refused = 0;
+  bool operator==(const VisitorFlowState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"came", &VisitorFlowState::came, "people so far, those that wait for room to enter included"},
+        Field{"refused", &VisitorFlowState::refused, "people for which all bodies of the flow were in use"},
+    };
+  }
+};
+
 struct WorldState {
   Tick tick = 0;
   std::vector<RobotState> robots;
@@ -253,6 +290,8 @@ struct WorldState {
   std::vector<FlowState> flows = {};
   std::vector<Job> jobs = {};         // in the order of their times, then of flows
   std::vector<RobotWait> waits = {};  // ascending
+  std::vector<VisitorState> visitors = {};
+  std::vector<VisitorFlowState> visitor_flows = {};
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -279,6 +318,8 @@ struct WorldState {
         Field{"flows", &WorldState::flows, "in the order of WorldDescription::flows"},
         Field{"jobs", &WorldState::jobs, "goods that wait to be brought somewhere, or are on their way"},
         Field{"waits", &WorldState::waits, "robots that wait on their ways to goals"},
+        Field{"visitors", &WorldState::visitors, "in the order of WorldDescription::visitors"},
+        Field{"visitor_flows", &WorldState::visitor_flows, "in the order of WorldDescription::visitor_flows"},
     };
   }
 };

@@ -357,7 +357,7 @@ MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::
 PeopleMessage MakePeople(const WorldDescription& world, const WorldState& state, dds::WireArena& arena) {
   std::vector<std::size_t> present;
   for (std::size_t i = 0; i < state.people.size(); ++i) {
-    if (!world.model(world.people[i].root).removed) present.push_back(i);
+    if (!world.model(world.people[i].root).removed && !IsAway(state.people[i])) present.push_back(i);
   }
   PeopleMessage message{};
   message.header = MakeHeader(ToTime(state.tick, world.interval_ns), kMapFrame, arena);

@@ -193,7 +193,7 @@ void ForEachPersonNear(const TickView& tick, std::uint32_t robot, const double& 
     const BodyId person = tick.scene.body_of(PersonId(i));
     // Circles around both bodies first: the distance of polygons is needed for few people.
     const double least = (state.people[i].X_WP.translation() - here).norm() - radius - tick.scene.body(person).radius;
-    if (least > reach) continue;
+    if (least > reach || IsAway(state.people[i])) continue;
     const double distance = DistanceOf(mine, tick.bodies.pieces_in_world(person));
     if (distance <= reach) visit(distance);
   }

@@ -112,7 +112,7 @@ void VisitBodies(const Scene& scene, const WorldState& state, const Visit& visit
     visit(scene.body_of(ObjectId(i)), world.objects[i], state.objects[i].X_WO);
   }
   for (std::size_t i = 0; i < world.people.size(); ++i) {
-    if (world.model(world.people[i].root).removed) continue;
+    if (world.model(world.people[i].root).removed || IsAway(state.people[i])) continue;
     visit(scene.body_of(PersonId(i)), world.people[i].root, state.people[i].X_WP);
   }
 }

@@ -104,6 +104,8 @@ class BuildingEvents {
     const PersonState& now = now_.people[id.index()];
     const ModelId root = world_.person(id).root;
     if (world_.model(root).removed) return;
+    if (IsAway(before) != IsAway(now)) Add(IsAway(now) ? EventType::kPersonLeft : EventType::kPersonEntered, root);
+    if (IsAway(before) || IsAway(now)) return;
     // The ride of a person that gets off ends in the same tick (PersonState::EndRide): then the lift is known from the
     // state before.
     if (const std::uint32_t lift = now.lift != 0 ? now.lift : before.lift; lift != 0) {

@@ -23,26 +23,33 @@ std::uint32_t TicksOf(const WorldDescription& world, double seconds) {
   return static_cast<std::uint32_t>(std::min(seconds / world.interval_seconds() + 0.5, 1e9));
 }
 
+void ChooseFirstGoal(const WorldDescription& world, PersonId id, PersonState& person) {
+  person.goals = world.person(id).goals;
+  const std::size_t points = std::max<std::size_t>(world.goal_sets[person.goals].points.size(), 1);
+  person.goal =
+      static_cast<std::uint32_t>(Draw(world, id, person.goals_chosen, 1) * static_cast<double>(points));
+  ++person.goals_chosen;
+  person.dwell_ticks = 0;
+}
+
 void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person) {
+  if (person.goals_chosen == 0) return ChooseFirstGoal(world, id, person);
   const std::vector<NextGoals>& next = world.goal_sets[person.goals].next;
-  const bool is_first = person.goals_chosen == 0;
-  if (!is_first && next.empty()) return;
+  if (next.empty()) return;
   const std::uint32_t before = person.goals;
-  if (!is_first) {
-    double total = 0.0;
-    for (const NextGoals& choice : next) total += choice.weight;
-    double left = Draw(world, id, person.goals_chosen, 0) * total;
-    // The last one also where rounding leaves `left` at 0 or above.
-    person.goals = next.back().goals;
-    for (const NextGoals& choice : next) {
-      left -= choice.weight;
-      if (left >= 0.0) continue;
-      person.goals = choice.goals;
-      break;
-    }
+  double total = 0.0;
+  for (const NextGoals& choice : next) total += choice.weight;
+  double left = Draw(world, id, person.goals_chosen, 0) * total;
+  // The last one also where rounding leaves `left` at 0 or above.
+  person.goals = next.back().goals;
+  for (const NextGoals& choice : next) {
+    left -= choice.weight;
+    if (left >= 0.0) continue;
+    person.goals = choice.goals;
+    break;
   }
   const std::size_t points = world.goal_sets[person.goals].points.size();
-  const bool is_another = !is_first && person.goals == before && points > 1;
+  const bool is_another = person.goals == before && points > 1;
   // Not the same point again.
   const std::size_t choices = std::max<std::size_t>(points, 1) - (is_another ? 1 : 0);
   auto goal = static_cast<std::uint32_t>(Draw(world, id, person.goals_chosen, 1) * static_cast<double>(choices));
@@ -51,6 +58,10 @@ void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person)
   person.goal = goal;
   ++person.goals_chosen;
   person.dwell_ticks = 0;
+}
+
+bool IsExit(const WorldDescription& world, std::uint32_t goals) {
+  return std::binary_search(world.exits.begin(), world.exits.end(), goals);
 }
 
 void ArriveAtGoal(const WorldDescription& world, PersonId id, PersonState& person) {

@@ -23,6 +23,12 @@ std::uint32_t TicksOf(const WorldDescription& world, double seconds);
 // after the last set. A pure function of the world's seed, the person and the number of its choices.
 void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person);
 
+// The first goal of a visit: a point of the person's own set.
+void ChooseFirstGoal(const WorldDescription& world, PersonId id, PersonState& person);
+
+// The points of the goal set are exits.
+bool IsExit(const WorldDescription& world, std::uint32_t goals);
+
 // The person is at its goal: it waits there, or chooses the next one.
 void ArriveAtGoal(const WorldDescription& world, PersonId id, PersonState& person);
 

@@ -59,7 +59,7 @@ void PeopleMover::Move(PersonId id, const PersonState& plan) {
   person = plan;
   const BodyId body = workspace_.scene.body_of(id);
   const bool stays = plan.vx == 0.0 && plan.vy == 0.0 && plan.X_WP.heading == before.heading;
-  if (stays) return workspace_.bodies.Move(body, person.X_WP);
+  if (stays || IsAway(plan)) return workspace_.bodies.Move(body, person.X_WP);
   for (const double part : {1.0, 0.5, 0.25, 0.0}) {
     const Vec2 to = from + part * workspace_.seconds() * velocity;
     const Room room = RoomOn(id, from, to);

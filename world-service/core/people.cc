@@ -11,6 +11,7 @@
 #include "world-service/core/pedestrian_motion.h"
 #include "world-service/core/people_view.h"
 #include "world-service/core/preferred_velocity.h"
+#include "world-service/core/visitors.h"
 
 namespace troupe {
 namespace {
@@ -26,7 +27,12 @@ constexpr std::size_t kPeopleClaim = 16;  // people that a thread claims at a ti
 
 // The decision of one person: `person` is its state, and becomes its plan.
 void Decide(const PeopleView& view, PersonId id, Avoidance& avoidance, PersonState& person) {
+  const std::optional<std::size_t> visitor = FindVisitor(view.world(), id);
+  if (visitor && !view.world().visitors[*visitor].track.empty()) {
+    return FollowTrack(view.world(), view.world().visitors[*visitor], view.state().tick, person);
+  }
   AloneWalk walk = WalkAlone(view, id, person);
+  if (walk.leaves) return LeaveWorld(view.world(), id, person);
   Vec2& preferred = walk.velocity;
   std::optional<Vec2> look_at;
   if (!walk.is_bound) look_at = ReactToRobots(view, id, person, preferred);
@@ -90,6 +96,7 @@ std::vector<PersonState> DecideAll(const PeopleView& view, ThreadPool* pool) {
 void MovePeople(StepWorkspace& workspace, ThreadPool* pool) {
   const std::size_t count = workspace.next.people.size();
   if (count == 0) return;
+  AdmitVisitors(workspace);
   const PeopleView view(workspace);
   const std::vector<PersonState> plans = DecideAll(view, pool);
   PeopleMover mover(workspace, view);

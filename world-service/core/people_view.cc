@@ -28,8 +28,8 @@ PeopleView::PeopleView(const StepWorkspace& workspace)
   FindBlockedDoors();
 }
 
-// Removed people keep their disc, so that numbers match ids, but have an empty interval of heights, which overlaps
-// none.
+// People that are removed or away keep their disc, so that numbers match ids, but have an empty interval of heights,
+// which overlaps none.
 void PeopleView::AddPeople() {
   for (std::size_t i = 0; i < count(); ++i) {
     const PersonState& state = person(i);
@@ -77,7 +77,7 @@ void PeopleView::MeasureGroups() {
   behind_.assign(count(), 0.0);
   for (std::size_t i = 0; i < count(); ++i) {
     const std::optional<PersonId>& leader = world().people[i].leader;
-    if (!leader || !Exists(i)) continue;
+    if (!leader || !Exists(i) || !Exists(leader->index())) continue;
     if (!AreOnOneLevel(person(i).X_WP.z, person(leader->index()).X_WP.z)) continue;
     const double distance = (discs_[i].center - discs_[leader->index()].center).norm();
     behind_[leader->index()] = std::max(behind_[leader->index()], distance);

@@ -6,7 +6,7 @@
 // side: discs by number, people first, so that disc i is person i for i < count().
 //
 // Discs are sorted into two grids, walkers and objects, because people avoid the former as discs and the latter by
-// their sides. Removed people and bodies without pieces have no heights or no disc: no person sees them.
+// their sides. People that are removed or away and bodies without pieces have no heights or no disc: no person sees them.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +34,8 @@ class PeopleView {
 
   std::size_t count() const { return discs_of_people_; }
   const PersonState& person(std::size_t i) const { return workspace_.next.people[i]; }
-  bool Exists(std::size_t person) const { return !world().model(world().people[person].root).removed; }
+  // It is in the world: neither removed nor away.
+  bool Exists(std::size_t i) const { return !world().model(world().people[i].root).removed && !IsAway(person(i)); }
   // An object rests on its head.
   bool IsBurdened(std::size_t person) const { return is_burdened_[person]; }
   // m, how far the last of its group on its level is behind a leader.

@@ -30,7 +30,7 @@ class Walk {
         here_(view.disc(id.index()).center),
         person_(person) {
     const std::optional<PersonId>& leader = description_.leader;
-    // Followers of a removed leader go on alone.
+    // Followers of a leader that is removed or away go on alone.
     if (leader && view_.Exists(leader->index())) leader_ = leader->index();
   }
 
@@ -49,6 +49,7 @@ class Walk {
     if (!walk.is_bound) MakeRoom(walk.velocity);
     // Asked for in this tick only: doors forget a person that does not ask again.
     person_.door = asked_;
+    walk.leaves = leaves_;
     return walk;
   }
 
@@ -72,8 +73,14 @@ class Walk {
   void GiveUp() {
     if (!leader_) person_.dwell_ticks = std::max<std::uint32_t>(TicksOf(view_.world(), kGivenUp), 1);
   }
+  // A follower stays with its leader, and leaves after it.
   void Arrive() {
-    if (!leader_) ArriveAtGoal(view_.world(), id_, person_);
+    if (leader_) return;
+    if (IsExit(view_.world(), person_.goals)) {
+      leaves_ = true;
+    } else {
+      ArriveAtGoal(view_.world(), id_, person_);
+    }
   }
 
   // Without a time to wait it does not stop for a tick at its goal, in the way of all behind it.
@@ -235,6 +242,7 @@ class Walk {
   PersonState& person_;
   std::optional<std::size_t> leader_;
   std::uint32_t asked_ = 0;  // the door for which it asks in this tick, from 1 on
+  bool leaves_ = false;
 };
 
 }  // namespace

@@ -19,6 +19,7 @@ namespace troupe {
 struct AloneWalk {
   Vec2 velocity{0.0, 0.0};  // m/s
   bool is_bound = false;    // it gets on or off a lift, or rides in it: it does not react to robots
+  bool leaves = false;      // it is at an exit
 };
 AloneWalk WalkAlone(const PeopleView& view, PersonId id, PersonState& person);
 

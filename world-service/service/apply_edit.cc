@@ -222,17 +222,19 @@ std::vector<EntityReport> ListEntities(const WorldDescription& world, const Worl
     entity.kind = EntityKind::kObject;
     entity.X_WE = state.objects[i].X_WO;
   }
+  std::vector<bool> is_away(entities.size());
   for (std::size_t i = 0; i < world.people.size(); ++i) {
     EntityReport& entity = entities[world.people[i].root.index()];
     entity.kind = EntityKind::kPerson;
     const PersonState& person = state.people[i];
+    if (IsAway(person)) is_away[world.people[i].root.index()] = true;
     entity.X_WE = person.X_WP;
     const Vec2 v_E = Transform2(person.X_WP).InverseRotate(Vec2(person.vx, person.vy));
     entity.twist = {v_E.x(), v_E.y(), 0.0};
   }
   std::vector<EntityReport> listed;
   for (std::size_t i = 0; i < entities.size(); ++i) {
-    if (!world.models[i].parent && !world.models[i].removed) listed.push_back(std::move(entities[i]));
+    if (!world.models[i].parent && !world.models[i].removed && !is_away[i]) listed.push_back(std::move(entities[i]));
   }
   return listed;
 }

@@ -146,6 +146,10 @@ std::string EventText(const WorldDescription& world, const Event& event) {
       return text + Name(world, event.object) + " gets off " + Name(world, event.other) + " at " + event.detail;
     case EventType::kPersonArrived:
       return text + Name(world, event.object) + " has reached " + event.detail;
+    case EventType::kPersonEntered:
+      return text + Name(world, event.object) + " has entered";
+    case EventType::kPersonLeft:
+      return text + Name(world, event.object) + " has left";
     case EventType::kLiftOverloaded:
       return text + Name(world, event.object) + " carries no more at floor " + event.detail;
     case EventType::kLaneSwitched:

@@ -25,6 +25,10 @@ namespace {
 constexpr std::uint64_t kStartStream = 0x7374'6172'7473;
 constexpr std::uint64_t kMaxDraws = 5000;
 constexpr double kGap = 0.02;       // m between people, and to walls, at the start
+// Of recorded people.
+constexpr double kLeastSpeed = 0.1;    // m/s
+constexpr double kCatchUp = 1.5;       // times the highest recorded speed
+constexpr double kLeastCatchUp = 2.0;  // m/s
 constexpr double kTogether = 1.25;  // m: people of a group start at most so far beside each other
 
 constexpr std::array kShirts{Color{0.75, 0.22, 0.17, 1.0}, Color{0.16, 0.50, 0.73, 1.0}, Color{0.15, 0.60, 0.38, 1.0},
@@ -64,6 +68,36 @@ class Crowd {
     return Status();
   }
 
+  void Add(const RecordedPeople& recording, std::uint64_t number) {
+    PeopleRule rule;
+    rule.z = recording.z;
+    rule.height = recording.height;
+    rule.person.radius = recording.radius;
+    rule.person.reaction = recording.reaction;
+    rule.name_prefix = recording.name_prefix;
+    const Look look = LookOf(rule);
+    if (!recording.react) rule.person.goals = AddGoals({.name = recording.name_prefix});
+    for (std::size_t i = 0; i < recording.people.size(); ++i) {
+      const RecordedPerson& recorded = recording.people[i];
+      const Vec2& from = recorded.positions.front();
+      const Vec2& to = recorded.positions.back();
+      SetSpeeds(recorded, rule);
+      if (recording.react) {
+        rule.person.goals = AddGoals({.name = recording.name_prefix, .points = {to}, .heights = {recording.z}});
+        world_.exits.push_back(rule.person.goals);
+      }
+      const Vec2 ahead = to - from;
+      const double heading = ahead == Vec2(0.0, 0.0) ? 0.0 : Atan2(ahead.y(), ahead.x());
+      AddPerson(rule, look, number, i, {from.x(), from.y(), recording.z, heading}, std::nullopt);
+      VisitorDescription visitor{.person = PersonId(world_.people.size() - 1), .enters_at = recorded.times.front()};
+      if (!recording.react) {
+        visitor.track = recorded.positions;
+        visitor.track_times = recorded.times;
+      }
+      world_.visitors.push_back(std::move(visitor));
+    }
+  }
+
   // An error if the ways of the people would not fit into the memory of most machines.
   Status CheckWays(const SourceLocation& where) const {
     constexpr std::uint64_t kMax = 8;  // GiB
@@ -79,6 +113,25 @@ class Crowd {
  private:
   double Random(std::uint64_t rule, std::uint64_t person, std::uint64_t draw, std::uint64_t component) const {
     return RandomUniform({seed_, kStartStream, rule, person, draw, component});
+  }
+
+  std::uint32_t AddGoals(GoalSet set) {
+    world_.goal_sets.push_back(std::move(set));
+    return static_cast<std::uint32_t>(world_.goal_sets.size() - 1);
+  }
+
+  // The mean speed of a recorded way, and a highest one with which it can catch up on it.
+  static void SetSpeeds(const RecordedPerson& recorded, PeopleRule& rule) {
+    double length = 0.0;
+    double most = 0.0;
+    for (std::size_t i = 1; i < recorded.times.size(); ++i) {
+      const double step = (recorded.positions[i] - recorded.positions[i - 1]).norm();
+      length += step;
+      most = std::max(most, step / (recorded.times[i] - recorded.times[i - 1]));
+    }
+    const double speed = length / (recorded.times.back() - recorded.times.front());
+    rule.speed.min = rule.speed.max = std::clamp(speed, kLeastSpeed, kMaxPersonSpeed);
+    rule.person.max_speed = std::clamp(kCatchUp * most, kLeastCatchUp, kMaxPersonSpeed);
   }
 
   // The ways within the region to the point of the rule; none if the rule has no point, or no person can stand there.
@@ -128,7 +181,8 @@ class Crowd {
       if (std::any_of(pieces.begin(), pieces.end(), is_near)) return false;
     }
     return std::none_of(starts_.begin(), starts_.end(), [&](const Start& other) {
-      return other.z.Overlaps(z) && (other.at - at).norm() < other.radius + reach;
+      // Visitors of one flow enter one after another.
+      return !(rule.flow && other.flow == rule.flow) && other.z.Overlaps(z) && (other.at - at).norm() < other.radius + reach;
     });
   }
 
@@ -182,7 +236,8 @@ class Crowd {
     model.color = kSkins[RandomBits({seed_, kStartStream, number, i, 1}) % kSkins.size()];
     world_.models.push_back(std::move(model));
     world_.people.push_back(person);
-    starts_.push_back({start.translation(), rule.person.radius, {rule.z, rule.z + rule.height}});
+    if (rule.flow) world_.visitors.push_back({.person = PersonId(world_.people.size() - 1), .flow = rule.flow});
+    starts_.push_back({start.translation(), rule.person.radius, {rule.z, rule.z + rule.height}, rule.flow});
   }
 
   ShapeId AddShape(Shape shape) {
@@ -197,6 +252,7 @@ class Crowd {
     Vec2 at;
     double radius;
     ZRange z;
+    std::optional<std::uint32_t> flow;
   };
 
   LoadedWorld loaded_;
@@ -216,6 +272,14 @@ class Crowd {
   std::pmr::vector<BodyId> near_bodies_;
 };
 
+// Recordings have numbers of their own among the rules, so that their draws do not depend on those.
+constexpr std::uint64_t kFirstRecording = std::uint64_t{1} << 32U;
+
+Error TooMany(const SourceLocation& where, std::uint64_t count) {
+  return Error{where,
+               "found " + std::to_string(count) + " people in all, expected at most " + std::to_string(kMaxPeople)};
+}
+
 }  // namespace
 
 Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>& rules, std::uint64_t seed) {
@@ -223,9 +287,7 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>&
   for (const PeopleRule& rule : rules) {
     count += rule.count;
     // Before any index is built.
-    if (count <= kMaxPeople) continue;
-    return Error{rule.where,
-                 "found " + std::to_string(count) + " people in all, expected at most " + std::to_string(kMaxPeople)};
+    if (count > kMaxPeople) return TooMany(rule.where, count);
   }
   if (rules.empty()) return loaded;
   const std::uint64_t first = loaded.world.people.size();
@@ -235,6 +297,20 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>&
   }
   // After the people: their sizes and goals decide on the number of grids.
   if (Status large = crowd.CheckWays(rules.front().where); !large.ok()) return large.error();
+  return crowd.Release();
+}
+
+Result<LoadedWorld> AddRecordedPeople(LoadedWorld loaded, const std::vector<RecordedPeople>& recordings,
+                                      std::uint64_t seed) {
+  if (recordings.empty()) return loaded;
+  std::size_t count = loaded.world.people.size();
+  for (const RecordedPeople& recording : recordings) {
+    count += recording.people.size();
+    if (count > kMaxPeople) return TooMany(recording.where, count);
+  }
+  Crowd crowd(std::move(loaded), seed);
+  for (std::size_t i = 0; i < recordings.size(); ++i) crowd.Add(recordings[i], kFirstRecording + i);
+  if (Status large = crowd.CheckWays(recordings.front().where); !large.ok()) return large.error();
   return crowd.Release();
 }
 

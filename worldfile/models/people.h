@@ -34,6 +34,26 @@ struct PeopleRule {
   std::string name_prefix = "person";
   // People start where they can walk to this point within the region, as far as a person can stand there.
   std::optional<Vec2> point = {};
+  // They are visitors of this flow: away at first, so that the starts of several may overlap.
+  std::optional<std::uint32_t> flow = {};
+  SourceLocation where;
+};
+
+// One whose ways have been recorded.
+struct RecordedPerson {
+  std::vector<double> times;    // s, ascending
+  std::vector<Vec2> positions;  // m, frame W, at these times
+};
+
+// People of one recording.
+struct RecordedPeople {
+  std::vector<RecordedPerson> people;
+  double z = 0.0;  // m, of the floor
+  double radius = 0.25;
+  double height = 1.75;
+  bool react = false;  // each walks from its first position to its last one, in place of following its track
+  PersonReaction reaction = PersonReaction::kRegular;
+  std::string name_prefix = "person";
   SourceLocation where;
 };
 
@@ -44,5 +64,9 @@ inline constexpr std::uint32_t kMaxPeople = 20'000;
 // is within the person's radius, nor the shaft of a lift without its cabin. The same world, rules and `seed` give the
 // same people. The error counts the people that found room. REQUIRES: the goal sets exist.
 Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>& rules, std::uint64_t seed);
+
+// The world with the people of recordings, who enter and leave at the times of their tracks.
+Result<LoadedWorld> AddRecordedPeople(LoadedWorld loaded, const std::vector<RecordedPeople>& recordings,
+                                      std::uint64_t seed);
 
 }  // namespace troupe

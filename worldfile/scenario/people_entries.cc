@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "worldfile/scenario/track_file.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
@@ -29,6 +30,50 @@ Result<Interval> ReadInterval(const JsonTree& tree, const JsonNode& value) {
 }
 
 // Goals by name are resolved later: a place may be that of a building.
+std::vector<PeopleEntry::Goal> ReadGoals(const JsonTree& tree, const JsonNode& object, const char* key, double floor) {
+  std::vector<PeopleEntry::Goal> goals;
+  for (const JsonNode& goal : object.ItemsOf(key)) {
+    if (goal.is_string()) {
+      goals.push_back({goal.text, tree.Where(goal)});
+      continue;
+    }
+    const Vec2 point(goal.items[0].number, goal.items[1].number);
+    const double z = goal.items.size() > 2 ? goal.items[2].number : floor;
+    goals.push_back({PeopleEntry::PlacedGoal{point, z}, tree.Where(goal)});
+  }
+  return goals;
+}
+
+Result<PeopleEntry::Visits> ReadVisits(const JsonTree& tree, const JsonNode& object, double floor) {
+  PeopleEntry::Visits visits;
+  const JsonNode& rate = object.Member("per_hour");
+  if (rate.is_number()) {
+    visits.flow.times = {0.0};
+    visits.flow.per_hour = {rate.number};
+  }
+  for (const JsonNode& pair : rate.items) {
+    const double time = pair.items[0].number;
+    const double per_hour = pair.items[1].number;
+    if (visits.flow.times.empty() ? time != 0.0 : time <= visits.flow.times.back()) {
+      return tree.ErrorAt(pair.items[0], visits.flow.times.empty()
+                                             ? "found a time table that begins later, expected the first time to be 0"
+                                             : "found a time that is not after the one before it, expected a later one");
+    }
+    if (per_hour > kMaxVisitorsPerHour) {
+      return tree.ErrorAt(pair.items[1], "found more than 36000 an hour, expected at most these");
+    }
+    visits.flow.times.push_back(time);
+    visits.flow.per_hour.push_back(per_hour);
+  }
+  visits.exits = ReadGoals(tree, object, "exits", floor);
+  if (visits.exits.empty()) {
+    return tree.ErrorAt(object.Member("exits"), "found no exit, expected places or points at which people leave");
+  }
+  if (const JsonNode* const stops = object.Find("stops")) visits.stops = stops->ToInteger<std::uint32_t>();
+  if (const JsonNode* const found = object.Find("arrive")) visits.flow.is_random = found->text == "random";
+  return visits;
+}
+
 Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
   PeopleEntry entry;
   PeopleRule& rule = entry.rule;
@@ -52,14 +97,11 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
   }
   object.Read("reaction", rule.person.reaction);
   if (const JsonNode* const found = object.Find("order")) entry.in_turn = found->text == "in turn";
-  for (const JsonNode& goal : object.ItemsOf("goals")) {
-    if (goal.is_string()) {
-      entry.goals.push_back({goal.text, tree.Where(goal)});
-    } else {
-      const Vec2 point(goal.items[0].number, goal.items[1].number);
-      const double z = goal.items.size() > 2 ? goal.items[2].number : rule.z;
-      entry.goals.push_back({PeopleEntry::PlacedGoal{point, z}, tree.Where(goal)});
-    }
+  entry.goals = ReadGoals(tree, object, "goals", rule.z);
+  if (const JsonNode* const visits = object.Find("visits")) {
+    Result<PeopleEntry::Visits> read = ReadVisits(tree, *visits, rule.z);
+    if (!read.ok()) return read.error();
+    entry.visits = std::move(read).value();
   }
   return entry;
 }
@@ -76,29 +118,73 @@ Result<PeopleEntry::PlacedGoal> PlaceOf(const WorldDescription& world, const Peo
                                ", expected the name of one, or a point [x, y] or [x, y, z]" + DidYouMean(name, names)};
 }
 
+// Goals as a set without a name, a time to wait, or successors.
+Result<GoalSet> PlacesOf(const WorldDescription& world, const std::vector<PeopleEntry::Goal>& goals) {
+  GoalSet set;
+  for (const PeopleEntry::Goal& goal : goals) {
+    const Result<PeopleEntry::PlacedGoal> place = PlaceOf(world, goal);
+    if (!place.ok()) return place.error();
+    set.points.push_back(place.value().point);
+    set.heights.push_back(place.value().z);
+  }
+  return set;
+}
+
+// The set of one point of another one.
+GoalSet PointOf(const GoalSet& set, std::size_t point) {
+  GoalSet one = set;
+  one.points = {set.points[point]};
+  one.heights = {set.heights[point]};
+  return one;
+}
+
 // Appends the goal sets of an entry; the number of the first.
 Result<std::uint32_t> AddGoals(WorldDescription& world, const PeopleEntry& entry, std::size_t number) {
   const auto first = static_cast<std::uint32_t>(world.goal_sets.size());
-  std::vector<Vec2> points;
-  std::vector<double> heights;
-  for (const PeopleEntry::Goal& goal : entry.goals) {
-    const Result<PeopleEntry::PlacedGoal> place = PlaceOf(world, goal);
-    if (!place.ok()) return place.error();
-    points.push_back(place.value().point);
-    heights.push_back(place.value().z);
-  }
+  Result<GoalSet> places = PlacesOf(world, entry.goals);
+  if (!places.ok()) return places.error();
+  GoalSet all = std::move(places).value();
+  all.name = "people " + std::to_string(number + 1);
+  all.wait = entry.wait;
+  const std::size_t points = all.points.size();
   // Goals in a fixed order are a ring of sets of one point; goals in any order are one set, from which each person
   // draws.
-  const std::size_t sets = entry.in_turn && !points.empty() ? points.size() : 1;
+  const std::size_t sets = entry.in_turn && points > 0 ? points : 1;
   for (std::size_t i = 0; i < sets; ++i) {
-    GoalSet set;
-    set.name = "people " + std::to_string(number + 1) + (sets > 1 ? ", goal " + std::to_string(i + 1) : "");
-    set.points = sets > 1 ? std::vector<Vec2>{points[i]} : points;
-    set.heights = sets > 1 ? std::vector<double>{heights[i]} : heights;
-    set.wait = entry.wait;
-    if (points.size() > 1) set.next = {{first + static_cast<std::uint32_t>((i + 1) % sets), 1.0}};
+    GoalSet set = sets > 1 ? PointOf(all, i) : all;
+    if (sets > 1) set.name += ", goal " + std::to_string(i + 1);
+    if (points > 1) set.next = {{first + static_cast<std::uint32_t>((i + 1) % sets), 1.0}};
     world.goal_sets.push_back(std::move(set));
   }
+  return first;
+}
+
+// Appends the goal sets of visits, a chain of stops with an exit as its end, and their flow; the number of the first.
+Result<std::uint32_t> AddVisits(WorldDescription& world, const PeopleEntry& entry, std::size_t number) {
+  const auto first = static_cast<std::uint32_t>(world.goal_sets.size());
+  const PeopleEntry::Visits& visits = *entry.visits;
+  Result<GoalSet> goals = PlacesOf(world, entry.goals);
+  if (!goals.ok()) return goals.error();
+  Result<GoalSet> exits = PlacesOf(world, visits.exits);
+  if (!exits.ok()) return exits.error();
+  const std::string name = "people " + std::to_string(number + 1);
+  const std::size_t points = goals.value().points.size();
+  const std::size_t stops = points == 0 ? 0 : visits.stops.value_or(entry.in_turn ? points : 1);
+  for (std::size_t i = 0; i < stops; ++i) {
+    GoalSet set = entry.in_turn ? PointOf(goals.value(), i % points) : goals.value();
+    set.name = name + ", goal " + std::to_string(i + 1);
+    set.wait = entry.wait;
+    set.next = {{first + static_cast<std::uint32_t>(i + 1), 1.0}};
+    world.goal_sets.push_back(std::move(set));
+  }
+  exits.value().name = name + ", exit";
+  world.exits.push_back(static_cast<std::uint32_t>(world.goal_sets.size()));
+  world.goal_sets.push_back(std::move(exits).value());
+  VisitorFlow flow = visits.flow;
+  const auto is_taken = [&](const VisitorFlow& other) { return other.name == entry.rule.name_prefix; };
+  const bool taken = std::any_of(world.visitor_flows.begin(), world.visitor_flows.end(), is_taken);
+  flow.name = taken ? name : entry.rule.name_prefix;
+  world.visitor_flows.push_back(std::move(flow));
   return first;
 }
 
@@ -130,17 +216,63 @@ Result<std::vector<PeopleEntry>> ReadPeopleEntries(const JsonTree& tree, const J
   return entries;
 }
 
+std::vector<RecordedEntry> ReadRecordedEntries(const JsonTree& tree, const JsonNode& root) {
+  std::vector<RecordedEntry> entries;
+  for (const JsonNode& object : root.ItemsOf("recorded_people")) {
+    RecordedEntry& entry = entries.emplace_back();
+    entry.file = object.Member("file").text;
+    entry.file_where = tree.Where(object.Member("file"));
+    object.Read("rate", entry.rate);
+    object.Read("start", entry.start);
+    if (const JsonNode* const pose = object.Find("pose")) {
+      entry.pose = {pose->items[0].number, pose->items[1].number, 0.0,
+                    WrapAngle(pose->items[2].number * kPi / 180.0)};
+    }
+    entry.people.where = tree.Where(object);
+    object.Read("z", entry.people.z);
+    object.Read("react", entry.people.react);
+    object.Read("reaction", entry.people.reaction);
+    object.Read("radius", entry.people.radius);
+    object.Read("height", entry.people.height);
+    object.Read("name_prefix", entry.people.name_prefix);
+  }
+  return entries;
+}
+
 // The world's seed draws places and speeds of people, so that a seed gives one crowd.
 Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleEntry>& entries) {
   std::vector<PeopleRule> rules;
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const Result<std::uint32_t> goals = AddGoals(loaded.world, entries[i], i);
+    const bool visit = entries[i].visits.has_value();
+    const Result<std::uint32_t> goals = visit ? AddVisits(loaded.world, entries[i], i) : AddGoals(loaded.world, entries[i], i);
     if (!goals.ok()) return goals.error();
     rules.push_back(entries[i].rule);
+    if (visit) rules.back().flow = static_cast<std::uint32_t>(loaded.world.visitor_flows.size() - 1);
     rules.back().person.goals = goals.value();
   }
   const std::uint64_t seed = loaded.world.seed;
   return AddPeople(std::move(loaded), rules, seed);
+}
+
+Result<LoadedWorld> AddRecordedPeople(LoadedWorld loaded, const std::vector<RecordedEntry>& entries,
+                                      const std::string& path, const AllowedPaths& allowed) {
+  std::vector<RecordedPeople> recordings;
+  for (const RecordedEntry& entry : entries) {
+    const std::string file = FindFile(entry.file, DirectoryOf(path), path);
+    const Result<std::string> text = ReadTextFile(file, entry.file_where, allowed);
+    if (!text.ok()) return text.error();
+    Result<std::vector<RecordedPerson>> people = ReadTracks(text.value(), file, entry.rate);
+    if (!people.ok()) return people.error();
+    RecordedPeople& recording = recordings.emplace_back(entry.people);
+    recording.people = std::move(people).value();
+    const Transform2 to_world(entry.pose);
+    for (RecordedPerson& person : recording.people) {
+      for (double& time : person.times) time += entry.start;
+      for (Vec2& position : person.positions) position = to_world * position;
+    }
+  }
+  const std::uint64_t seed = loaded.world.seed;
+  return AddRecordedPeople(std::move(loaded), recordings, seed);
 }
 
 }  // namespace troupe

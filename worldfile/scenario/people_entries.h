@@ -27,10 +27,28 @@ struct PeopleEntry {
     SourceLocation where;
   };
 
+  // Of people who come and go.
+  struct Visits {
+    VisitorFlow flow;
+    std::vector<Goal> exits;
+    std::optional<std::uint32_t> stops;  // goals of a visit; nothing: all in turn, or one
+  };
+
   PeopleRule rule;           // without its goal set
   std::vector<Goal> goals;   // none: the people stand
   bool in_turn = false;      // they are visited in their order; else drawn
   Interval wait{2.0, 10.0};  // s, at each
+  std::optional<Visits> visits = {};
+};
+
+// An entry of the key "recorded_people", whose file is not read yet.
+struct RecordedEntry {
+  std::string file;  // as written
+  SourceLocation file_where;
+  double rate = 25.0;  // frames a second
+  double start = 0.0;  // s
+  Pose pose;           // m, rad: of the recording's frame in W
+  RecordedPeople people;
 };
 
 // The area of a region: [xmin, ymin, xmax, ymax], or a polygon of corners [x, y]. REQUIRES: as the schema describes it
@@ -39,7 +57,13 @@ Result<Polygon> ReadRegion(const JsonTree& tree, const JsonNode& region);
 // The entries of `root`; none without the key. REQUIRES: the tree is valid by the schema.
 Result<std::vector<PeopleEntry>> ReadPeopleEntries(const JsonTree& tree, const JsonNode& root);
 
+std::vector<RecordedEntry> ReadRecordedEntries(const JsonTree& tree, const JsonNode& root);
+
 // The world with these people.
 Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleEntry>& entries);
+
+// The world with the people of recordings. `path`: of the scenario, beside which files are looked for.
+Result<LoadedWorld> AddRecordedPeople(LoadedWorld loaded, const std::vector<RecordedEntry>& entries,
+                                      const std::string& path, const AllowedPaths& allowed);
 
 }  // namespace troupe

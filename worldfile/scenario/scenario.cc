@@ -249,6 +249,9 @@ void CopyPeople(const WorldDescription& from, WorldDescription& to) {
     return place->second;
   };
   to.goal_sets = from.goal_sets;
+  to.visitor_flows = from.visitor_flows;
+  to.visitors = from.visitors;
+  to.exits = from.exits;
   for (PersonDescription person : from.people) {
     const std::size_t first = person.root.index();
     person.root = ModelId(to.models.size());
@@ -363,6 +366,9 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   if (!built.ok()) return built;
   built = AddCrowd(std::move(built).value());
   if (built.ok()) built = AddPeople(std::move(built).value(), file.people);
+  if (built.ok()) {
+    built = AddRecordedPeople(std::move(built).value(), file.recorded_people, path, overrides.allowed);
+  }
   if (!built.ok()) return built;
   if (!file.without.empty()) {
     if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();

@@ -376,6 +376,7 @@ Result<ScenarioFile> Reader::Read() {
   } else if (!error_) {
     error_ = people.error();
   }
+  file.recorded_people = ReadRecordedEntries(tree_, root);
   Result<SiteEntries> site = ReadSiteEntries(tree_, root);
   if (site.ok()) {
     file.site = std::move(site).value();

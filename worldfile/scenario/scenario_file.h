@@ -103,6 +103,7 @@ struct ScenarioFile {
   std::vector<NamedRegion> regions;
   std::vector<NamedExpectation> expectations;
   std::vector<PeopleEntry> people;
+  std::vector<RecordedEntry> recorded_people;
   SiteEntries site;
   std::vector<PlacedText> without;  // robots and models that are left out, after all are placed
   std::vector<Warning> warnings;

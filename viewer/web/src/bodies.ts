@@ -10,7 +10,7 @@ import {
 } from 'three';
 import type {Levels} from './levels';
 import type {Pose, World} from './protocol';
-import {compose, IDENTITY, jointMotion, poseOf, rootOf, sameEntity, toMatrix, type Entity, type Run} from './run';
+import {compose, IDENTITY, isAway, jointMotion, poseOf, rootOf, sameEntity, toMatrix, type Entity, type Run} from './run';
 import {softened, type GeometryBuilder, type Rgb, type SurfaceMaterial, type Surfaces} from './surfaces';
 
 interface Part {
@@ -119,7 +119,7 @@ export class Bodies {
         const link = body.links[i];
         const {batch} = link;
         if (!batch?.mesh) continue;
-        batch.mesh.setMatrixAt(link.instance, toMatrix(links[i], this.matrix));
+        batch.mesh.setMatrixAt(link.instance, isAway(links[i]) ? this.matrix.makeScale(0, 0, 0) : toMatrix(links[i], this.matrix));
         const shown = link.light >= 0 && !run.isLit(this.world.lights[link.light]) ? DARK : color;
         if (link.color === shown) continue;
         link.color = shown;

@@ -7,7 +7,7 @@ import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';
 import {JointType, OBJECT_MODES, scansOf, type Light, type Pose, type Reading, type RobotGoal} from './protocol';
 import {robotState} from './thing_list';
-import {compose, degrees, isInTree, nameOf, poseOf, type Entity, type Run} from './run';
+import {compose, degrees, isAway, isInTree, nameOf, poseOf, type Entity, type Run} from './run';
 import {bearing, flattestPlane, raysOf} from './sensor_marks';
 import {SensorViews} from './sensor_views';
 
@@ -103,6 +103,12 @@ export class EntityPanel {
 
   private showPerson(run: Run, person: number, pose: Pose): void {
     const row = run.people[person];
+    if (isAway(pose)) {
+      byId('panel-state').className = 'badge idle';
+      setText(byId('panel-state'), 'away');
+      this.showFactsOnly([['goals', `${row.goalsChosen}`]]);
+      return;
+    }
     const speed = Math.hypot(row.vx, row.vy);
     const badge = byId('panel-state');
     badge.className = `badge ${speed > 0.05 ? 'moving' : 'idle'}`;

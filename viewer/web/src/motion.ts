@@ -7,7 +7,7 @@ import type {JointRow, ObjectRow, PersonRow, RobotRow} from '../generated/rows';
 import {BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments} from 'three';
 import {robotColorOf} from './colors';
 import type {Pose} from './protocol';
-import type {Run} from './run';
+import {isAway, type Run} from './run';
 
 const LONGEST = 250;  // ms; a slower run is shown as it is
 const JUMP = 1.0;  // m: a longer way is an edit
@@ -86,7 +86,7 @@ export class Motion {
     const from = this.from;
     if (!from || !this.moves(now)) return target;
     const t = (now - this.begin) / this.duration;
-    const poses = (a: Pose[], b: Pose[]): Pose[] => b.map((pose, i) => (a[i] ? between(a[i], pose, t) : pose));
+    const poses = (a: Pose[], b: Pose[]): Pose[] => b.map((pose, i) => (a[i] && isAway(a[i]) === isAway(pose) ? between(a[i], pose, t) : pose));
     return {
       robots: poses(from.robots, target.robots),
       objects: poses(from.objects, target.objects),

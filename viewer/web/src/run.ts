@@ -136,6 +136,13 @@ export function findEntity(world: World, name: string): Entity | null {
   return person >= 0 ? {kind: 'person', index: person} : null;
 }
 
+// A person that is not in the world at present is this far below it, as in troupe/world_state.h.
+const AWAY_Z = -500_000;
+
+export function isAway(pose: Pose): boolean {
+  return pose.z < 0.5 * AWAY_Z;
+}
+
 export function poseOf(run: Run, entity: Entity): Pose | null {
   const rows = {robot: run.robots, object: run.objects, person: run.people}[entity.kind];
   const row = rows[entity.index];

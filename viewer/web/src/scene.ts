@@ -15,7 +15,7 @@ import {makeGraphics, Quality} from './graphics';
 import {Levels, planesOf} from './levels';
 import {Motion, Trails} from './motion';
 import type {Pose, World} from './protocol';
-import {poseOf, toMatrix, type Entity, type Run} from './run';
+import {isAway, poseOf, toMatrix, type Entity, type Run} from './run';
 import {Rays, SensorMarks} from './sensor_marks';
 import {Ground, StaticMap} from './static_map';
 import {Surfaces} from './surfaces';
@@ -231,7 +231,8 @@ export class WorldScene {
     this.rays.show(run, this.setting.bodies);
     this.marks.show(run);
     this.traffic.show(run);
-    const pose = selected ? poseOf(run, selected) : null;
+    const placed = selected ? poseOf(run, selected) : null;
+    const pose = placed && !isAway(placed) ? placed : null;
     this.ring.visible = pose !== null;
     if (pose && selected) {
       const radius = this.setting.bodies.radiusOf(selected);
@@ -516,7 +517,7 @@ export class WorldScene {
 
   private contentBox(world: World, map: StaticMap): Box3 {
     const box = new Box3().setFromObject(map.group);
-    const add = ({x, y, z}: Pose): Box3 => box.expandByPoint(new Vector3(x, y, z));
+    const add = (pose: Pose): Box3 => isAway(pose) ? box : box.expandByPoint(new Vector3(pose.x, pose.y, pose.z));
     world.robots.forEach(({present, root}, i) => present && add(this.run?.robots[i]?.pose ?? world.models[root].poseInParent));
     world.objects.forEach((root, i) => add(this.run?.objects[i]?.pose ?? world.models[root].poseInParent));
     world.people.forEach(({root}, i) => add(this.run?.people[i]?.pose ?? world.models[root].poseInParent));

@@ -7,7 +7,7 @@ import {doorText, liftText} from './doors';
 import {byId, fixed, make, setText} from './dom';
 import type {Levels} from './levels';
 import {OBJECT_MODES} from './protocol';
-import {nameOf, sameEntity, type Entity, type Run} from './run';
+import {isAway, nameOf, sameEntity, type Entity, type Run} from './run';
 
 const MOST_SHOWN = 200;  // of a kind
 const ROBOTS = 'Robots';
@@ -230,13 +230,14 @@ function zoneText(run: Run, zone: number): string {
 function personText(run: Run, person: number): string {
   const row = run.people[person];
   if (!row) return '';
+  if (isAway(row.pose)) return 'away';
   const speed = Math.hypot(row.vx, row.vy);
   return row.dwellTicks > 0 ? 'waiting' : speed > 0.05 ? `${fixed(speed, 2)} m/s` : 'standing';
 }
 
 function levelText(run: Run, levels: Levels, level: number): string {
   const count = (rows: Array<{pose: {z: number}} | undefined>): number =>
-    rows.filter(row => row && levels.numberAt(row.pose.z) === level).length;
+    rows.filter(row => row && !isAway(row.pose) && levels.numberAt(row.pose.z) === level).length;
   const robots = count(run.robots.filter((_, i) => run.world.robots[i]?.present));
   const people = count(run.people.filter((_, i) => !run.world.models[run.world.people[i].root].removed));
   return [robots > 0 ? `${robots} robot${robots === 1 ? '' : 's'}` : '', people > 0 ? `${people} people` : '']

@@ -205,7 +205,7 @@ Status Recorder::WritePeoplePoses(const WorldState& state) {
   Status error;
   for (std::size_t i = 0; i < state.people.size() && error.ok(); ++i) {
     const ModelId root = world_->person(PersonId(i)).root;
-    if (world_->model(root).removed) continue;
+    if (world_->model(root).removed || IsAway(state.people[i])) continue;
     AppendPose(state.tick, root, state.people[i].X_WP, false);
     poses_->Append(",person,,,");
     error = poses_->EndLine();

@@ -28,8 +28,8 @@ TEST(EnumNamesTest, ANameStandsForItsValueOnly) {
 
 // A name that is missing would shift those after it.
 TEST(EnumNamesTest, TheLastTypeOfEventsHasTheLastName) {
-  EXPECT_EQ(LastOf(EventType()), EventType::kNoWay);
-  EXPECT_STREQ(NameOf(EventType::kNoWay), "no_way");
+  EXPECT_EQ(LastOf(EventType()), EventType::kPersonLeft);
+  EXPECT_STREQ(NameOf(EventType::kPersonLeft), "person_left");
   for (const std::string& name : AllNames<EventType>()) EXPECT_EQ(NameOf(*FindByName<EventType>(name)), name);
 }
 
