@@ -31,6 +31,7 @@
 #include "worldfile/sites/building_text.h"
 #include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/opentcs_xml.h"
+#include "worldfile/sites/route_graph.h"
 
 namespace troupe {
 namespace {
@@ -42,6 +43,7 @@ constexpr const char* kMapEnding = ".yaml";
 constexpr const char* kLanesEnding = ".lif.json";
 constexpr const char* kBuildingEnding = ".building.yaml";
 constexpr const char* kPlantEnding = ".opentcs.xml";
+constexpr const char* kRouteGraphEnding = ".geojson";
 constexpr const char* kFiltersEnding = ".filters.yaml";
 // Of the masks of zones, before the endings of a map.
 constexpr std::array kMaskKinds = {std::pair{ZoneKind::kKeepout, ".keepout"}, std::pair{ZoneKind::kSpeed, ".speed"}};
@@ -55,6 +57,7 @@ struct ExportMapOptions {
   bool building = false;
   bool plant = false;
   bool zones = false;
+  bool route_graph = false;
 };
 
 // Of the lanes and places of a building, beside its map.
@@ -108,6 +111,17 @@ Status WritePlant(const ExportMapOptions& options, const LoadedWorld& loaded) {
                  "found no lanes, expected a building (.building.yaml), a layout, or a scenario in one"};
   }
   return WriteWholeFile(options.output + kPlantEnding, PlantModelText(*loaded.site, PlantVehiclesOf(loaded.world)));
+}
+
+// The lanes of the first graph on the level of the map for Nav2's route server, beside the map.
+Status WriteRouteGraph(const ExportMapOptions& options, const WorldDescription& world, double height) {
+  if (world.lane_graphs.empty()) return Error{{options.file}, "found no lanes, expected a world with lanes"};
+  const std::vector<LevelDescription>& levels = world.levels;
+  double z = 0.0;
+  for (const LevelDescription& level : levels) {
+    if (level.name == LevelAt(levels, height)) z = level.z;
+  }
+  return WriteWholeFile(options.output + kRouteGraphEnding, RouteGraphText(world.lane_graphs.front(), z));
 }
 
 // The whole site, beside its map.
@@ -228,6 +242,7 @@ int ExportMapCommand(const ExportMapOptions& options) {
     }
     outputs.push_back({"--zones", options.output + kFiltersEnding});
   }
+  if (options.route_graph) outputs.push_back({"--route-graph", options.output + kRouteGraphEnding});
   if (options.plant) outputs.push_back({"--opentcs", options.output + kPlantEnding});
   const auto inputs = [&] { return InputFilesOf(options.file, {}); };
   if (Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return Fail(problem.error());
@@ -245,10 +260,13 @@ int ExportMapCommand(const ExportMapOptions& options) {
   const Scene scene(std::move(loaded.value().world));
   const double height = options.height.value_or(UsualMapHeight(scene));
   const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMaxCells);
+  if (options.route_graph) {
+    if (Status failure = WriteRouteGraph(options, scene.world(), height); !failure.ok()) return Fail(failure.error());
+  }
   if (options.zones) {
     if (Status failure = WriteZones(options, scene.world(), height, grid); !failure.ok()) return Fail(failure.error());
   }
-  if (grid.empty() && (options.zones || options.lanes || options.building || options.plant)) {
+  if (grid.empty() && (options.route_graph || options.zones || options.lanes || options.building || options.plant)) {
     PrintPlain(stdout, "{}: no static model and no ROS map, so no map is written\n", options.file);
     return kExitDone;
   }
@@ -287,6 +305,8 @@ void AddExportMapCommand(CLI::App& app, int& exit_status) {
   command->add_flag("--lanes", options->lanes, "Also write the lanes of a building as a layout (LIF), NAME.lif.json");
   command->add_flag("--opentcs", options->plant,
                     "Also write the lanes and the vehicles as a plant model of openTCS, NAME.opentcs.xml");
+  command->add_flag("--route-graph", options->route_graph,
+                    "Also write the lanes of the level as a graph of Nav2's route server, NAME.geojson");
   command->add_flag("--zones", options->zones,
                     "Also write the zones as masks of Nav2, NAME.keepout.yaml and NAME.speed.yaml with their images, "
                     "and its parameters for them, NAME.filters.yaml");
