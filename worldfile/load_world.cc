@@ -13,6 +13,7 @@
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/building_yaml.h"
 #include "worldfile/sites/lif_json.h"
+#include "worldfile/sites/route_graph.h"
 #include "worldfile/sites/site.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
@@ -73,7 +74,9 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
                  "found no problem of paths for the options about agents and paths, expected .scen, .map, "
                  ".pogema or a problem of the League (.json)"};
   }
-  if (IsBuildingPath(path) || IsLayoutPath(path, overrides.allowed)) return LoadBuilding(path, overrides);
+  if (IsBuildingPath(path) || IsRouteGraphPath(path) || IsLayoutPath(path, overrides.allowed)) {
+    return LoadBuilding(path, overrides);
+  }
   if (ending == ".json") return LoadScenario(path, overrides);
   if (ending == ".world" || ending == ".yaml" || ending == ".yml" || IsModelFile(path)) {
     return LoadPlainWorld(path, overrides);
@@ -82,7 +85,7 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
                "found a file ending in " + Quoted(ending) +
                    ", expected .world (Stage, Gazebo), .sdf (Gazebo), .urdf or .xacro (a robot), .json (scenario, "
                    "LIF), .yaml (ROS map) or "
-                   ".building.yaml (Open-RMF), .scen, .map or .pogema (cells)"};
+                   ".building.yaml (Open-RMF), .geojson (Nav2's route server), .scen, .map or .pogema (cells)"};
 }
 
 std::string EndingOf(const std::string& path) {

@@ -14,7 +14,7 @@ namespace troupe {
 
 // The version of the programs, and of the protocol between them.
 // Programs work together only when this is equal: it changes whenever a message or its meaning does.
-inline constexpr std::uint32_t kProtocolVersion = 23;
+inline constexpr std::uint32_t kProtocolVersion = 24;
 
 // The system's host name; "localhost" if it has none.
 std::string HostName();

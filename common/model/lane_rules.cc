@@ -73,14 +73,14 @@ std::vector<std::uint32_t> LanesOnLine(const WorldDescription& world, std::size_
 }
 
 std::vector<std::uint32_t> ClosedLanesFor(const WorldDescription& world, const WorldState& state,
-                                          std::span<const Pose> poses) {
+                                          std::span<const Pose> poses, std::optional<ZoneKind> others) {
   std::vector<std::uint32_t> closed;
   for (const LaneRule& rule : state.lane_rules) {
     if (rule.speed_limit == 0.0) closed.push_back(rule.lane);
   }
   for (std::size_t i = 0; i < world.zones.size(); ++i) {
     const ZoneDescription& zone = world.zones[i];
-    if (zone.kind != ZoneKind::kKeepout || !state.zones[i].is_on) continue;
+    if ((zone.kind != ZoneKind::kKeepout && zone.kind != others) || !state.zones[i].is_on) continue;
     const auto is_in = [&](const Pose& pose) { return IsInZone(world, zone, pose.translation(), pose.z); };
     if (std::any_of(poses.begin(), poses.end(), is_in)) continue;
     std::uint32_t number = 0;
@@ -99,12 +99,24 @@ std::vector<std::uint32_t> ClosedLanesFor(const WorldDescription& world, const W
   return closed;
 }
 
+std::optional<std::size_t> FindUnreleased(const WorldDescription& world, const WorldState& state, const Pose& X_WR,
+                                          const Vec2& end) {
+  for (std::size_t i = 0; i < world.zones.size(); ++i) {
+    const ZoneDescription& zone = world.zones[i];
+    if (zone.kind != ZoneKind::kRelease || !state.zones[i].is_on) continue;
+    if (IsInZone(world, zone, X_WR.translation(), X_WR.z)) continue;
+    if (CrossesZone(world, zone, X_WR.translation(), end, X_WR.z)) return i;
+  }
+  return std::nullopt;
+}
+
 bool IsLaneClosed(const WorldDescription& world, const WorldState& state, std::uint32_t lane) {
   const LaneRule* const rule = RuleOf(state, lane);
   if (rule != nullptr && rule->speed_limit == 0.0) return true;
   const NumberedLane numbered = LaneOf(world, lane);
   for (std::size_t i = 0; i < world.zones.size(); ++i) {
-    if (world.zones[i].kind != ZoneKind::kKeepout || !state.zones[i].is_on) continue;
+    const ZoneKind kind = world.zones[i].kind;
+    if ((kind != ZoneKind::kKeepout && kind != ZoneKind::kRelease) || !state.zones[i].is_on) continue;
     const LaneVertex& start = numbered.start();
     if (CrossesZone(world, world.zones[i], start.position, numbered.end().position, start.z)) return true;
   }

@@ -32,12 +32,18 @@ std::optional<std::uint32_t> FindLane(const WorldDescription& world, const std::
 // and in both directions; ascending.
 std::vector<std::uint32_t> LanesOnLine(const WorldDescription& world, std::size_t number);
 
-// The lanes that no robot begins, ascending: those that are closed, and those on or through a keepout zone that is on.
-// One of the robots at `poses` that is in such a zone may leave it: then its lanes do not count.
+// The lanes that no robot begins, ascending: those that are closed, and those on or through a zone of the kind keepout,
+// or of `others`, that is on. One of the robots at `poses` that is in such a zone may leave it: then its lanes do not
+// count.
 std::vector<std::uint32_t> ClosedLanesFor(const WorldDescription& world, const WorldState& state,
-                                          std::span<const Pose> poses);
+                                          std::span<const Pose> poses, std::optional<ZoneKind> others = {});
 
-// A lane is closed, or a keepout zone that is on is on it.
+// The release zone that is on before a robot at X_WR: it is not in it, and a straight way to `end` (m, W) leads through
+// it. Of several the first.
+std::optional<std::size_t> FindUnreleased(const WorldDescription& world, const WorldState& state, const Pose& X_WR,
+                                          const Vec2& end);
+
+// A lane is closed, or a keepout or release zone that is on is on it.
 bool IsLaneClosed(const WorldDescription& world, const WorldState& state, std::uint32_t lane);
 
 // The limit of the speed at a point, m/s: of a lane, if the point is on one, and of the speed zones that are on.

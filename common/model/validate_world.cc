@@ -241,6 +241,13 @@ Status CheckExits(const WorldDescription& world) {
     if (world.exits[i] >= world.goal_sets.size()) return BadInput("found an exit that is no goal set");
     if (i > 0 && world.exits[i - 1] >= world.exits[i]) return BadInput("found exits that do not ascend");
   }
+  for (const ZoneDescription& zone : world.zones) {
+    const bool needs_exits = zone.kind == ZoneKind::kEvacuation;
+    if (needs_exits != zone.exits.has_value()) return BadInput("found exits of the wrong kind of zone, or none");
+    if (zone.exits && !std::binary_search(world.exits.begin(), world.exits.end(), *zone.exits)) {
+      return BadInput("found exits of a zone that are none of the world");
+    }
+  }
   return Status();
 }
 

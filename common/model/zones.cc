@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "troupe/deterministic_math.h"
 #include "troupe/polygon.h"
 #include "troupe/rectangle.h"
 
 namespace troupe {
 namespace {
 
-bool IsOnLevel(const WorldDescription& world, const ZoneDescription& zone, double z) {
-  return world.levels.empty() || LevelAt(world.levels, zone.z) == LevelAt(world.levels, z);
-}
+constexpr double kAcross = 1e-9;  // cosine: a motion across the heading is not against it, whatever its last bits
 
 bool Cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const auto side = [](const Vec2& from, const Vec2& to, const Vec2& p) {
@@ -39,18 +38,27 @@ std::optional<std::size_t> FindZone(const WorldDescription& world, const std::st
   return static_cast<std::size_t>(found - world.zones.begin());
 }
 
+bool IsOnLevelOf(const WorldDescription& world, const ZoneDescription& zone, double z) {
+  return world.levels.empty() || LevelAt(world.levels, zone.z) == LevelAt(world.levels, z);
+}
+
 bool IsInZone(const WorldDescription& world, const ZoneDescription& zone, const Vec2& point, double z) {
-  return IsOnLevel(world, zone, z) && Contains(zone.outline, point);
+  return IsOnLevelOf(world, zone, z) && Contains(zone.outline, point);
 }
 
 bool CrossesZone(const WorldDescription& world, const ZoneDescription& zone, const Vec2& from, const Vec2& to,
                  double z) {
-  if (!IsOnLevel(world, zone, z)) return false;
+  if (!IsOnLevelOf(world, zone, z)) return false;
   if (Contains(zone.outline, from) || Contains(zone.outline, to)) return true;
   for (std::size_t i = 0; i < zone.outline.size(); ++i) {
     if (Cross(from, to, zone.outline[i], zone.outline[(i + 1) % zone.outline.size()])) return true;
   }
   return false;
+}
+
+bool IsAgainst(const ZoneDescription& zone, const Vec2& along) {
+  const SinCosResult heading = SinCos(zone.heading);
+  return along.dot(Vec2(heading.cos, heading.sin)) < -kAcross * along.norm();
 }
 
 std::vector<CoverageGrid> CoverageGrids(const WorldDescription& world) {

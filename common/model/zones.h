@@ -17,11 +17,16 @@ namespace troupe {
 
 std::optional<std::size_t> FindZone(const WorldDescription& world, const std::string& name);
 
+// A height is on the level of the zone; in a world without levels each is.
+bool IsOnLevelOf(const WorldDescription& world, const ZoneDescription& zone, double z);
 // A point on the level of the zone is in its area or on the edge of that.
 bool IsInZone(const WorldDescription& world, const ZoneDescription& zone, const Vec2& point, double z);
 // A straight way on the level of the zone has a point in its area.
 bool CrossesZone(const WorldDescription& world, const ZoneDescription& zone, const Vec2& from, const Vec2& to,
                  double z);
+// A motion along a vector in W, of any length, is against the traffic of a one_way zone: more than 90 degrees from its
+// heading.
+bool IsAgainst(const ZoneDescription& zone, const Vec2& along);
 
 inline constexpr double kCoverageCell = 0.1;               // m, side of a cell
 inline constexpr std::size_t kMaxCoverageCells = 1000000;  // of a zone

@@ -15,6 +15,12 @@ Color ColorOf(ZoneKind kind) {
       return {0.80, 0.16, 0.14, 1.0};
     case ZoneKind::kSpeed:
       return {0.88, 0.58, 0.08, 1.0};
+    case ZoneKind::kOneWay:
+      return {0.16, 0.36, 0.80, 1.0};
+    case ZoneKind::kRelease:
+      return {0.52, 0.24, 0.66, 1.0};
+    case ZoneKind::kEvacuation:
+      return {0.10, 0.55, 0.24, 1.0};
     case ZoneKind::kCleaning:
       break;
   }

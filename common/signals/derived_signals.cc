@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/model/states.h"
+#include "common/model/zones.h"
 #include "common/signals/state_tables.h"
 
 namespace troupe {
@@ -217,6 +218,16 @@ void AddOfZones(StateTable& table) {
                     if (cells == 0) return kNoNumber;
                     return static_cast<double>(view.state.zones[row].covered) / static_cast<double>(cells);
                   });
+  table.AddNumber("people", "", "in its area, on its level", [](const SignalView& view, std::size_t row) {
+    const ZoneDescription& zone = view.world.zones[row];
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < view.state.people.size(); ++i) {
+      const Pose& X_WP = view.state.people[i].X_WP;
+      const bool is_there = !IsAway(X_WP) && !view.world.model(view.world.people[i].root).removed;
+      if (is_there && IsInZone(view.world, zone, X_WP.translation(), X_WP.z)) ++inside;
+    }
+    return static_cast<double>(inside);
+  });
 }
 
 void AddOfFlows(StateTable& table) {

@@ -92,7 +92,7 @@ StateTable MakeLanes() {
           return std::all_of(doors.begin(), doors.end(), is_open);
         });
       });
-  table.AddTruth("barred", "an operator has closed it, or a keepout zone that is on is on it",
+  table.AddTruth("barred", "an operator has closed it, or a keepout or release zone that is on is on it",
                  [](const SignalView& view, std::size_t row) {
                    const LaneRow& lane = view.things.lanes()[row];
                    return std::any_of(lane.lane.parts.begin(), lane.lane.parts.end(), [&](std::uint32_t part) {

@@ -10,6 +10,8 @@
 #include <queue>
 #include <utility>
 
+#include "common/spatial/zone_ways.h"
+
 namespace troupe {
 namespace {
 
@@ -32,7 +34,8 @@ std::optional<std::size_t> CellOfGoal(const WalkGrid& grid, const Vec2& goal) {
 
 class WaySearch {
  public:
-  WaySearch(const WalkGrid& grid, std::span<const ConvexPiece* const> standing) : grid_(grid) {
+  WaySearch(const WalkGrid& grid, std::span<const ConvexPiece* const> standing, const ZoneWays* zones)
+      : grid_(grid), zones_(zones != nullptr && !zones->empty() ? zones : nullptr) {
     if (!standing.empty()) taken_.resize(grid.cell_count(), false);
     for (const ConvexPiece* const piece : standing) grid.MarkTaken(*piece, taken_);
   }
@@ -43,14 +46,15 @@ class WaySearch {
     if (!start) return Failure("nothing around the robot is free");
     const std::optional<std::size_t> end = CellOfGoal(grid_, to);
     if (!end) return Failure("there is no room for the robot");
+    if (zones_ != nullptr && zones_->IsClosed(*end)) return Failure("it is in a keepout zone that is on, or too near to one");
     std::optional<std::size_t> target = end;
     if (IsTaken(*end)) {
-      target = grid_.Nearest(to, [&](std::size_t cell) { return grid_.IsFree(cell) && !IsTaken(cell); });
+      target = grid_.Nearest(to, [&](std::size_t cell) { return IsOpen(cell) && !IsTaken(cell); });
     }
     if (!target || !Search(
                        *start, [&](std::size_t cell) { return cell == *target; },
                        [&](std::size_t cell) { return Estimate(cell, *target); })) {
-      return Failure("no way leads there");
+      return Failure(zones_ == nullptr ? "no way leads there" : "no way leads there that the zones allow");
     }
     Way way{.reaches = target == end};
     way.points = Straighten(from, *start, *target);
@@ -78,6 +82,12 @@ class WaySearch {
   }
 
   bool IsTaken(std::size_t cell) const { return !taken_.empty() && taken_[cell]; }
+  bool IsOpen(std::size_t cell) const { return grid_.IsFree(cell) && (zones_ == nullptr || !zones_->IsClosed(cell)); }
+  // A straight way on which a robot may drive.
+  bool IsClear(const Vec2& from, const Vec2& to) const {
+    if (!grid_.IsClear(from, to, taken_)) return false;
+    return zones_ == nullptr || (zones_->MayDrive(from, to) && grid_.IsClear(from, to, zones_->closed()));
+  }
 
   // Cells around the start are free of bodies: one that stands so near is no reason to stay.
   void Leave(const Vec2& start) {
@@ -117,8 +127,9 @@ class WaySearch {
       if (is_end(cell)) return cell;
       if (whole > lengths_[cell] + estimate(cell)) continue;  // it was found on a shorter way
       grid_.ForEachStep(cell, [&](std::size_t to, std::size_t number) {
-        if (IsTaken(to)) return;
-        const std::uint32_t length = lengths_[cell] + WalkGrid::kSteps[number].length * grid_.CostOf(to);
+        if (IsTaken(to) || (zones_ != nullptr && !zones_->MayStep(cell, to, number))) return;
+        const std::uint32_t cost = grid_.CostOf(to) * (zones_ == nullptr ? 1 : zones_->CostOf(to));
+        const std::uint32_t length = lengths_[cell] + WalkGrid::kSteps[number].length * cost;
         if (length >= lengths_[to]) return;
         lengths_[to] = length;
         steps_[to] = static_cast<std::uint8_t>(number);
@@ -143,7 +154,7 @@ class WaySearch {
     if (grid_.CellOf(from) != start || !grid_.Contains(from)) points.push_back(here = grid_.CenterOf(start));
     for (std::size_t at = 0; at + 1 < cells.size();) {
       std::size_t ahead = std::min(kLongestLine, cells.size() - 1 - at);
-      while (ahead > 1 && !grid_.IsClear(here, grid_.CenterOf(cells[at + ahead]), taken_)) ahead = ahead * 3 / 4;
+      while (ahead > 1 && !IsClear(here, grid_.CenterOf(cells[at + ahead]))) ahead = ahead * 3 / 4;
       at += ahead;
       points.push_back(here = grid_.CenterOf(cells[at]));
     }
@@ -152,6 +163,7 @@ class WaySearch {
   }
 
   const WalkGrid& grid_;
+  const ZoneWays* zones_;    // null: none that limits ways
   std::vector<bool> taken_;  // by cell; empty: none
   std::vector<std::uint32_t> lengths_;
   std::vector<std::uint8_t> steps_;  // by cell, in WalkGrid::kSteps: the last one of its way
@@ -210,8 +222,8 @@ class OtherRobot {
 }  // namespace
 
 Result<Way> FindWay(const WalkGrid& grid, const Vec2& from, const Vec2& to,
-                    std::span<const ConvexPiece* const> standing) {
-  return WaySearch(grid, standing).Find(from, to);
+                    std::span<const ConvexPiece* const> standing, const ZoneWays* zones) {
+  return WaySearch(grid, standing, zones).Find(from, to);
 }
 
 Status CheckWays(const WalkGrid& grid, const Vec2& from, std::span<const Vec2> points) {
@@ -228,12 +240,13 @@ Status CheckWays(const WalkGrid& grid, const Vec2& from, std::span<const Vec2> p
 }
 
 Result<Way> FindRoom(const WalkGrid& grid, const Vec2& from, const RoomFor& room,
-                     std::span<const ConvexPiece* const> standing) {
+                     std::span<const ConvexPiece* const> standing, const ZoneWays* zones) {
   const OtherRobot other(room.of_other, room.other);
   const std::size_t reached = other.CountReached(nullptr, 0.0);
   std::vector<Vec2> tried;
-  return WaySearch(grid, standing).FindNearest(from, [&](std::size_t cell) {
+  return WaySearch(grid, standing, zones).FindNearest(from, [&](std::size_t cell) {
     const Vec2 place = grid.CenterOf(cell);
+    if (zones != nullptr && zones->IsClosed(cell)) return false;
     const bool is_near = std::any_of(tried.begin(), tried.end(),
                                      [&](const Vec2& before) { return (place - before).norm() < kBetweenTries; });
     if (is_near || tried.size() == kMaxTries) return false;

@@ -20,15 +20,17 @@
 
 namespace troupe {
 
+class ZoneWays;
+
 struct Way {
   std::vector<Vec2> points = {};  // m, W, one after another in straight lines; the last is the end
   bool reaches = true;            // false: something stands at the end, and the way leads near it
 };
 
-// The way from `from` to `to`, m, W. `standing`: pieces in W of bodies beside the static ones. The error says what
-// prevents it: the end is not free, or no way leads there.
+// The way from `from` to `to`, m, W. `standing`: pieces in W of bodies beside the static ones. `zones`: of the grid;
+// null: none. The error says what prevents it: the end is not free or in a keepout zone, or no way leads there.
 Result<Way> FindWay(const WalkGrid& grid, const Vec2& from, const Vec2& to,
-                    std::span<const ConvexPiece* const> standing = {});
+                    std::span<const ConvexPiece* const> standing = {}, const ZoneWays* zones = nullptr);
 
 // Checks that ways lead from `from` to each of the points, m, W, around static bodies alone. The error names the first
 // point to which none does. Cost: one search, however many points there are.
@@ -44,6 +46,6 @@ struct RoomFor {
 // The way to the nearest place at which the robot cuts nothing off from the other one: all that this can reach within
 // some metres while the robot is away, it can reach past the robot there. The error: there is no such place.
 Result<Way> FindRoom(const WalkGrid& grid, const Vec2& from, const RoomFor& room,
-                     std::span<const ConvexPiece* const> standing);
+                     std::span<const ConvexPiece* const> standing, const ZoneWays* zones = nullptr);
 
 }  // namespace troupe

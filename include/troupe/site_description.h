@@ -146,22 +146,27 @@ struct LaneTrip {
 };
 
 enum class ZoneKind : std::uint8_t {
-  kKeepout = 0,   // robots on lanes do not drive into it
+  kKeepout = 0,   // robots do not drive into it
   kSpeed = 1,     // they drive more slowly in it
   kCleaning = 2,  // its cells count as covered once a robot has been on them
+  kOneWay = 3,    // they drive through it within 90 degrees of its heading; lanes are so from the load on, always
+  kRelease = 4,   // they stop before it until it is switched off
+  kEvacuation = 5,  // people in it walk to the nearest of its exits, and leave the world there
 };
 constexpr auto NamesOf(ZoneKind) {
-  return std::array{"keepout", "speed", "cleaning"};
+  return std::array{"keepout", "speed", "cleaning", "one_way", "release", "evacuation"};
 }
 
-// An area of a level that robots on lanes heed while it is on.
+// An area of a level that robots on lanes, and those that search their ways, heed while it is on.
 struct ZoneDescription {
   std::string name;
   ZoneKind kind = ZoneKind::kKeepout;
   std::vector<Vec2> outline;
   double z = 0.0;
   double speed_limit = 0.0;
+  double heading = 0.0;
   bool is_on = true;
+  std::optional<std::uint32_t> exits = {};
   bool operator==(const ZoneDescription&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -170,7 +175,9 @@ struct ZoneDescription {
         Field{"outline", &ZoneDescription::outline, "a simple polygon, counter-clockwise, in W"}.In("m"),
         Field{"z", &ZoneDescription::z, "of its level"}.In("m"),
         Field{"speed_limit", &ZoneDescription::speed_limit, "of a speed zone"}.In("m/s").AtLeast(0),
+        Field{"heading", &ZoneDescription::heading, "of a one_way zone: the direction of its traffic, in W"}.In("rad"),
         Field{"on", &ZoneDescription::is_on, "at load"},
+        Field{"exits", &ZoneDescription::exits, "of an evacuation zone: a goal set, in WorldDescription::exits"},
     };
   }
 };

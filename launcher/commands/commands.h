@@ -41,6 +41,8 @@ void AddExportCommand(CLI::App& app, int& exit_status);
 void AddExportMapCommand(CLI::App& app, int& exit_status);
 void AddKeysCommand(CLI::App& app, int& exit_status);
 void AddFleetCommand(CLI::App& app, int& exit_status);
+void AddImportPlanCommand(CLI::App& app, int& exit_status);
+void AddLoopbackCommand(CLI::App& app, int& exit_status);
 void AddHostCommand(CLI::App& app, int& exit_status);
 void AddCompletionsCommand(CLI::App& app, int& exit_status);
 // After all others: it also adds examples to the help texts of theirs.

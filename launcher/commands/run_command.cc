@@ -19,6 +19,7 @@
 #include "common/spatial/scene_cache.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
+#include "launcher/commands/run_command.h"
 #include "launcher/commands/shown_expectations.h"
 #include "launcher/commands/temporary_folder.h"
 #include "launcher/process/filter.h"
@@ -201,8 +202,10 @@ Status PlanPaths(RunOptions& options, const TemporaryFolder& folder) {
   return error;
 }
 
+}  // namespace
+
 // All checks come before any process starts: a bad command line costs no time and leaves no file.
-int RunCommand(RunOptions options, const std::vector<std::string>& ros_options) {
+int RunWorld(RunOptions options, const std::vector<std::string>& ros_options) {
   std::optional<TemporaryFolder> folder;
   if (!options.planner.empty()) {
     const Status planned = PlanPaths(options, folder.emplace());
@@ -255,8 +258,6 @@ int RunCommand(RunOptions options, const std::vector<std::string>& ros_options) 
   return options.in_process ? RunInProcess(options, make_viewer, report) : RunDistributed(options, report);
 }
 
-}  // namespace
-
 void AddRunCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("run", "Run a world: a world service, and a process for each robot");
   const auto options = std::make_shared<RunOptions>();
@@ -266,7 +267,7 @@ void AddRunCommand(CLI::App& app, int& exit_status) {
     for (const CLI::Option* const option : command->get_options()) {
       if (option->get_name().starts_with("--ros-") && option->count() > 0) ros_options.push_back(option->get_name());
     }
-    exit_status = RunCommand(*options, ros_options);
+    exit_status = RunWorld(*options, ros_options);
   });
 }
 

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/model/lane_rules.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/giving_way.h"
 #include "robot-agent/controller/lane_settings.h"
@@ -421,6 +422,11 @@ class LanesController final : public Controller, public RobotWatcher {
   // At the start of a leg: what has to be there before it. Lifts come first, because another robot may need a group to
   // leave one; groups come last, because a robot that has them moves.
   bool MayEnter(const Leg& leg) {
+    if (around_ && !plan_ &&
+        FindUnreleased(around_->world(), around_->state, now_->pose_estimate, vertex(leg.to).position)) {
+      NoteWait(std::nullopt);
+      return false;
+    }
     const std::optional<std::uint32_t> lift = vertex(leg.from).lift;
     if (lift) {  // out of a cabin
       controls_.CallLift(leg.from);

@@ -32,17 +32,29 @@ bool BarredLanes::Read(const Surroundings& around, RobotId own, const LaneGraph&
   return std::exchange(lanes_, lanes) != lanes;
 }
 
-double AllowedSpeed(const Surroundings& around, std::optional<std::size_t> lane, const LaneGraph& graph,
-                    const Vec2& point, const Vec2& along, double z) {
-  const WorldDescription& world = around.world();
-  std::optional<std::uint32_t> number;
-  if (lane) number = static_cast<std::uint32_t>(FirstLaneOf(world.lane_graphs, graph) + *lane);
-  double least = SpeedLimitAt(world, around.state, number, point, z);
-  if (world.zones.empty()) return least;
+namespace {
+
+double SpeedAhead(const Surroundings& around, std::optional<std::uint32_t> lane, const Vec2& point, const Vec2& along,
+                  double z) {
+  double least = SpeedLimitAt(around.world(), around.state, lane, point, z);
+  if (around.world().zones.empty()) return least;
   for (const double ahead : {0.25, 0.5}) {
-    least = std::min(least, SpeedLimitAt(world, around.state, number, point + ahead * along, z));
+    least = std::min(least, SpeedLimitAt(around.world(), around.state, lane, point + ahead * along, z));
   }
   return least;
+}
+
+}  // namespace
+
+double AllowedSpeed(const Surroundings& around, const Vec2& point, const Vec2& along, double z) {
+  return SpeedAhead(around, std::nullopt, point, along, z);
+}
+
+double AllowedSpeed(const Surroundings& around, std::optional<std::size_t> lane, const LaneGraph& graph,
+                    const Vec2& point, const Vec2& along, double z) {
+  std::optional<std::uint32_t> number;
+  if (lane) number = static_cast<std::uint32_t>(FirstLaneOf(around.world().lane_graphs, graph) + *lane);
+  return SpeedAhead(around, number, point, along, z);
 }
 
 }  // namespace troupe

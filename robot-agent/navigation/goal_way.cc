@@ -13,6 +13,8 @@
 #include "common/spatial/walk_grid.h"
 #include "common/spatial/walk_routes.h"
 #include "common/spatial/way_search.h"
+#include "common/spatial/zone_ways.h"
+#include "robot-agent/navigation/barred_lanes.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/deterministic_math.h"
 
@@ -38,6 +40,8 @@ constexpr double kMovedOn = 0.5;       // m: it is not blocked any more
 constexpr int kMaxSearches = 60;       // for one goal
 constexpr double kDoorAhead = 3.0;     // m, of its way: a door that is nearer is asked for
 constexpr double kDoorGap = 0.2;       // m, to what its leaves sweep
+constexpr double kZoneAhead = 2.0;     // m, beside twice the way to brake: a release zone that is nearer is looked for
+constexpr double kZoneGap = 0.05;      // m, to a release zone
 constexpr double kOpen = 0.999;        // of a door
 constexpr double kPassed = 0.1;        // m, from a point of the way
 constexpr double kPassedByCar = 0.4;   // m
@@ -128,9 +132,13 @@ Status GoalWay::SearchOn(const Surroundings& around, double radius, bool around_
   grid_radius_ = radius;
   grid_z_ = X_WR.z;
   grid_ = GridOfRobot(around.scene, own_, grid_z_, radius);
+  zone_ways_.reset();
+  if (std::find(zones_on_.begin(), zones_on_.end(), true) != zones_on_.end()) {
+    zone_ways_ = std::make_shared<const ZoneWays>(around.world(), around.state, grid_z_, *grid_);
+  }
   std::vector<const ConvexPiece*> pieces;
   if (around_bodies) pieces = StandingPieces(around);
-  Result<Way> way = FindWay(*grid_, X_WR.translation(), *goal_, pieces);
+  Result<Way> way = FindWay(*grid_, X_WR.translation(), *goal_, pieces, zone_ways_.get());
   if (!way.ok()) return way.error();
   points_ = std::move(way.value().points);
   reaches_ = way.value().reaches;
@@ -168,7 +176,7 @@ bool GoalWay::StepAside(const Surroundings& around) {
   const RoomFor room{.own_radius = scene.body(scene.body_of(own_)).radius,
                      .other = around.PoseOf(*other).translation(),
                      .of_other = *of_other};
-  Result<Way> way = FindRoom(*grid_, around.PoseOf(own_).translation(), room, StandingPieces(around));
+  Result<Way> way = FindRoom(*grid_, around.PoseOf(own_).translation(), room, StandingPieces(around), zone_ways_.get());
   if (!way.ok()) return false;
   points_ = std::move(way.value().points);
   failed_searches_ = 0;
@@ -184,6 +192,30 @@ void GoalWay::FollowGrid(const Surroundings& around) {
     if (was_clear && !grid->IsClear(points_[i], points_[i + 1])) is_due_ = true;
   }
   grid_ = grid;
+}
+
+void GoalWay::FollowZones(const Surroundings& around) {
+  if (around.world().zones.empty()) return;
+  std::vector<bool> on = ZonesOnWays(around.world(), around.state);
+  if (on == zones_on_) return;
+  is_due_ = true;
+  zones_on_ = std::move(on);
+}
+
+GoalWay::Leg GoalWay::HeedZones(const Observation& now, const Surroundings& around, const Vec2& along, Leg leg) const {
+  if (around.world().zones.empty()) return leg;
+  const Pose& X_WR = around.PoseOf(own_);
+  const Vec2 here = X_WR.translation();
+  leg.most = std::min(leg.most, AllowedSpeed(around, here, along, X_WR.z));
+  const double speed = Vec2(now.twist.vx, now.twist.vy).norm();
+  const double look = kZoneAhead + speed * speed / std::max(-drive_.acceleration.x.min, 1e-3);
+  const double radius = RadiiOfWays(around.scene, own_)[1] + kZoneGap;
+  const double room = RoomBeforeRelease(around.world(), around.state, here, points_, next_, X_WR.z, radius,
+                                        0.5 * grid_->cell(), look);
+  if (room >= look) return leg;
+  if (room < kStanding) return {here, 0.0, leg.door};
+  leg.most = std::min(leg.most, BrakingSpeed(drive_, room));
+  return leg;
 }
 
 // An edit may have moved the robot, and a lift changes its height.
@@ -291,6 +323,8 @@ GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) 
   }
   leg = AwaitDoor(now, around, leg);
   if (leg.most == 0.0) return leg;
+  if (length > 0.0) leg = HeedZones(now, around, way / length, leg);
+  if (leg.most == 0.0) return leg;
   const double bearing = WrapAngle(Atan2(way.y(), way.x()) - X_WR.heading);
   if (length == 0.0 || (std::fabs(bearing) > kFacing && drive_.type != DriveType::kCar)) return leg;
   const double speed = Vec2(now.twist.vx, now.twist.vy).norm();
@@ -313,6 +347,7 @@ Result<GoalWay::Leg> GoalWay::Update(const Observation& now, const Surroundings&
   if (!goal_ || (goal - *goal_).norm() > kSameGoal) Begin(goal);
   if (failure_) return Failure(*failure_);
   if (grid_) FollowGrid(around);
+  FollowZones(around);
   NoteMotion(now, around.PoseOf(own_));
   if (points_.empty() && now.time - searched_at_ >= kRetry) is_due_ = true;
   if (is_due_) Search(now, around);

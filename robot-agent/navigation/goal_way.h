@@ -7,7 +7,9 @@
 // to face wait for different times (Observation::Random), so that one of them moves first. Where they cannot pass each
 // other, the one with the larger id goes to the nearest place with room for both, the other one if that does not help.
 //
-// Doors on the way are asked for, and waited for outside of all that their leaves sweep.
+// Doors on the way are asked for, and waited for outside of all that their leaves sweep. The zones that are on count:
+// its way leads around keepout zones and through one_way zones along their heading, it drives no faster than speed zones
+// allow, and stands before release zones. Once a zone is switched it searches again.
 //
 // It gives up for a reason: no way leads to the goal, or a body has been in the way for half a minute.
 //
@@ -31,6 +33,7 @@
 namespace troupe {
 
 class WalkGrid;
+class ZoneWays;
 struct ConvexPiece;
 
 // Checks that a robot at X_WR finds a way to the goal (common/spatial/robot_ways.h). The error is the reason.
@@ -76,6 +79,9 @@ class GoalWay {
   double CornerSpeed(const Vec2& here) const;
   // The first door on the next metres of the way that is not open.
   std::optional<std::size_t> ClosedDoorAhead(const Surroundings& around, const Vec2& here) const;
+  void FollowZones(const Surroundings& around);
+  // The leg, as fast as speed zones allow, and no farther than a release zone that is on.
+  Leg HeedZones(const Observation& now, const Surroundings& around, const Vec2& along, Leg leg) const;
   // The leg with that door: no farther than to where no leaf sweeps.
   Leg AwaitDoor(const Observation& now, const Surroundings& around, Leg leg);
   double PassedDistance() const;
@@ -85,6 +91,8 @@ class GoalWay {
   std::optional<Vec2> goal_;            // m, W
   std::optional<std::string> failure_;  // why it was given up
   std::shared_ptr<const WalkGrid> grid_;
+  std::shared_ptr<const ZoneWays> zone_ways_;  // of the grid; null: no zone limits ways
+  std::vector<bool> zones_on_;                 // by zone: those that do
   double grid_z_ = 0.0;                  // m, of the robot when its way was searched
   double grid_radius_ = 0.0;             // m
   std::optional<Vec2> last_;             // m, W, of the robot in the tick before

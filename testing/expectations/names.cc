@@ -47,7 +47,9 @@ std::string NameOfKinds(const std::vector<std::size_t>& kinds) {
 }
 
 WorldNames::WorldNames(const ExpectationScope& scope)
-    : scope_(scope), things_(std::make_shared<const Things>(scope.world)) {}
+    : scope_(scope), things_(std::make_shared<const Things>(scope.world)) {
+  for (const ZoneDescription& zone : scope.world.zones) zones_.push_back({zone.name, zone.outline, zone.z});
+}
 
 // Made when first needed: most expectations do not look at values of the start.
 const WorldState& WorldNames::placed() const {
@@ -107,6 +109,9 @@ const NamedRegion* WorldNames::FindRegion(const std::string& name) const {
   for (const NamedRegion& region : scope_.regions) {
     if (region.name == name) return &region;
   }
+  for (const NamedRegion& zone : zones_) {
+    if (zone.name == name) return &zone;
+  }
   return nullptr;
 }
 
@@ -154,6 +159,7 @@ std::vector<std::string> WorldNames::PlaceNames() const {
 std::vector<std::string> WorldNames::RegionNames() const {
   std::vector<std::string> names;
   for (const NamedRegion& region : scope_.regions) names.push_back(region.name);
+  for (const NamedRegion& zone : zones_) names.push_back(zone.name);
   return names;
 }
 

@@ -39,7 +39,7 @@ class WorldNames {
   // Nothing for a name that is none of these.
   std::optional<ModelId> FindStaticModel(const std::string& name) const;
   const NamedPlace* FindPlace(const std::string& name) const;
-  const NamedRegion* FindRegion(const std::string& name) const;
+  const NamedRegion* FindRegion(const std::string& name) const;  // a region, or the area of a zone
   // The height of the level that is nearest to `z`; nothing in a world without levels.
   std::optional<double> FloorAt(double z) const;
   // True for any name of the world. The compiler uses it to tell a free variable of a metric ("r") from a robot that is
@@ -68,6 +68,7 @@ class WorldNames {
  private:
   ExpectationScope scope_;
   std::shared_ptr<const Things> things_;
+  std::vector<NamedRegion> zones_;  // of the world: regions behind those of the scope
   mutable std::optional<WorldState> placed_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "common/model/zones.h"
 #include "world-service/core/lift_boarding.h"
 #include "world-service/core/pedestrian_goals.h"
 
@@ -35,7 +36,9 @@ class Walk {
   }
 
   AloneWalk Decide() {
-    if (leader_) {
+    if (IsEvacuated()) {
+      leader_.reset();  // each leaves by itself
+    } else if (leader_) {
       FollowGoals();
     } else {
       const bool ends_waiting = person_.goals_chosen > 0 && person_.dwell_ticks > 0 && --person_.dwell_ticks == 0;
@@ -55,6 +58,47 @@ class Walk {
 
  private:
   bool IsOnLevelOf(const PersonState& other) const { return AreOnOneLevel(person_.X_WP.z, other.X_WP.z); }
+
+  // It is on its way to the exits of an evacuation zone, or sets out for them because it is in one that is on.
+  bool IsEvacuated() {
+    const WorldDescription& world = view_.world();
+    for (std::size_t i = 0; i < world.zones.size(); ++i) {
+      const ZoneDescription& zone = world.zones[i];
+      if (!zone.exits) continue;
+      if (person_.goals == *zone.exits) {
+        if (person_.dwell_ticks > 0) --person_.dwell_ticks;  // after a way that it could not find
+        return true;
+      }
+      if (!view_.state().zones[i].is_on || !IsInZone(world, zone, here_, person_.X_WP.z)) continue;
+      SetOutFor(*zone.exits);
+      return true;
+    }
+    return false;
+  }
+
+  // The nearest exit by the way to it; one on another level only if none is on this one.
+  void SetOutFor(std::uint32_t exits) {
+    const std::size_t level = routes_.LevelAt(person_.X_WP.z);
+    std::optional<std::uint32_t> nearest;
+    double least = 0.0;
+    for (std::uint32_t i = 0; i < view_.world().goal_sets[exits].points.size(); ++i) {
+      const WalkRoutes::Goal goal{exits, i};
+      if (routes_.LevelOf(id_, goal) != level) continue;
+      const std::optional<double> length = routes_.Length(id_, goal, here_);
+      if (!length || (nearest && *length >= least)) continue;
+      nearest = i;
+      least = *length;
+    }
+    for (std::uint32_t i = 0; !nearest && i < view_.world().goal_sets[exits].points.size(); ++i) {
+      const WalkRoutes::Goal goal{exits, i};
+      if (routes_.LevelOf(id_, goal) != level && routes_.FindRide(id_, level, goal, here_)) nearest = i;
+    }
+    person_.goals = exits;
+    person_.goal = nearest.value_or(0);
+    ++person_.goals_chosen;
+    person_.dwell_ticks = person_.watch_ticks = 0;
+    if (person_.place == 0) person_.EndRide();
+  }
 
   // The goals of the leader. On another level than that the person goes on to them.
   void FollowGoals() {

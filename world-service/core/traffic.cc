@@ -94,7 +94,7 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
     std::vector<bool> obstructed = FindObstructed(workspace, routes->graph(), radii, takes_part);
     std::vector<Pose> poses;
     for (const TrafficRobot& robot : plan.robots) poses.push_back(state.robots[robot.robot.index()].X_WR);
-    for (const std::uint32_t lane : ClosedLanesFor(world, state, poses)) obstructed[lane] = true;
+    for (const std::uint32_t lane : ClosedLanesFor(world, state, poses, ZoneKind::kRelease)) obstructed[lane] = true;
     PlanTraffic(*routes, requests, obstructed, state.tick, plan);
   }
   state.traffic_robots = std::move(plan.robots);

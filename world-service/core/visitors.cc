@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "common/model/zones.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/random.h"
 #include "world-service/core/pedestrian_goals.h"
@@ -112,12 +113,20 @@ class Admission {
       X_WP.x = at.x();
       X_WP.y = at.y();
     }
-    if (!HasRoom(visitor.person, X_WP)) return;
+    if (IsEvacuated(X_WP) || !HasRoom(visitor.person, X_WP)) return;
     person.X_WP = X_WP;
     ChooseFirstGoal(world_, visitor.person, person);
     state_.visitors[number].is_due = false;
     ++state_.visitors[number].visits;
     workspace_.bodies.Move(workspace_.scene.body_of(visitor.person), X_WP);
+  }
+
+  bool IsEvacuated(const Pose& X_WP) const {
+    for (std::size_t i = 0; i < world_.zones.size(); ++i) {
+      const ZoneDescription& zone = world_.zones[i];
+      if (zone.exits && state_.zones[i].is_on && IsInZone(world_, zone, X_WP.translation(), X_WP.z)) return true;
+    }
+    return false;
   }
 
   // Nothing is within the radius of the person.

@@ -149,6 +149,9 @@ struct InputSearch {
   Result<Input> operator()(const control::Zone& request) const {
     const std::optional<std::size_t> zone = FindZone(world, request.name);
     if (!zone) return Error{{}, "the world has no zone '" + request.name + "'"};
+    if (world.zones[*zone].kind == ZoneKind::kOneWay) {
+      return Error{{}, "the zone '" + request.name + "' is a one_way zone, which is on for the whole run"};
+    }
     return Input{{}, ZoneOrder{*zone, request.on}};
   }
 };

@@ -34,6 +34,8 @@ class MapYamlReader {
     const double occupied = ReadThreshold(Require("occupied_thresh"), "occupied_thresh");
     CheckFreeThreshold(Find("free_thresh"), occupied);
     map.rule = ReadRule(Find("mode"), negate, occupied);
+    const YamlNode& free = Find("free_thresh");
+    map.numbers = Numbers(Mode(Find("mode")), negate, occupied, free ? ReadThresholdQuietly(free) : 0.0);
     if (const YamlNode& height = Find("wall_height")) {
       map.wall_height = Number(height, "wall_height", 1e-3, kMaxMagnitude);
     }
@@ -124,11 +126,39 @@ class MapYamlReader {
     return {x, y, 0.0, WrapAngle(yaml_.Number(node[2], "'origin'", 0.0))};
   }
 
+  std::string Mode(const YamlNode& node) {
+    std::string mode = yaml_.Text(node, "'mode'", "trinary");
+    for (char& c : mode) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;  // as in map_server
+    return mode;
+  }
+
+  // Its warning has been given.
+  double ReadThresholdQuietly(const YamlNode& node) { return yaml_.Number(node, "'free_thresh'", 0.0); }
+
+  static std::array<std::uint8_t, 256> Numbers(const std::string& mode, bool negate, double occupied, double free) {
+    std::array<std::uint8_t, 256> numbers{};
+    for (int value = 0; value < 256; ++value) {
+      const double probability = (negate ? value : 255 - value) / 255.0;
+      std::uint8_t& number = numbers[static_cast<std::size_t>(value)];
+      if (mode == "raw") {
+        number = value <= 100 ? static_cast<std::uint8_t>(value) : MapYaml::kUnknownCell;
+      } else if (probability >= occupied) {
+        number = 100;
+      } else if (probability <= free) {
+        number = 0;
+      } else if (mode == "scale") {
+        number = static_cast<std::uint8_t>(std::clamp(std::round((probability - free) / (occupied - free) * 100.0), 0.0, 100.0));
+      } else {
+        number = MapYaml::kUnknownCell;
+      }
+    }
+    return numbers;
+  }
+
   // trinary and scale: a dark pixel is probably occupied (negate: a bright one). raw: the pixel is the probability in
   // percent, above 100 it is unknown. Unknown pixels are free.
   PixelRule ReadRule(const YamlNode& mode_node, bool negate, double occupied_threshold) {
-    std::string mode = yaml_.Text(mode_node, "'mode'", "trinary");
-    for (char& c : mode) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;  // as in map_server
+    const std::string mode = Mode(mode_node);
     if (mode != "trinary" && mode != "scale" && mode != "raw") {
       yaml_.Fail(mode_node, "found mode " + Quoted(mode) + ", expected trinary, scale or raw");
     }

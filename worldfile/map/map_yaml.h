@@ -11,6 +11,8 @@
 // below.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -33,6 +35,9 @@ struct MapYaml {
   double resolution = 0.05;  // m, width and height of a pixel
   Pose origin;               // X_WM of the image's lower left corner; z is 0
   PixelRule rule;            // occupied: the pixel's probability is at least occupied_thresh
+  // By grey value, as map_server fills its cells by the mode: 0 is free, 100 occupied, kUnknownCell unknown.
+  static constexpr std::uint8_t kUnknownCell = 255;
+  std::array<std::uint8_t, 256> numbers{};
   double wall_height = 2.0;  // m
   std::vector<Warning> warnings;
 };

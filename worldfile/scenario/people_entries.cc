@@ -9,6 +9,48 @@
 namespace troupe {
 namespace {
 
+Result<PeopleEntry::PlacedGoal> PlaceOf(const WorldDescription& world, const PeopleEntry::Goal& goal) {
+  if (const auto* const placed = std::get_if<PeopleEntry::PlacedGoal>(&goal.place)) return *placed;
+  const std::string& name = std::get<std::string>(goal.place);
+  std::vector<std::string> names;
+  for (const NamedPlace& place : world.places) {
+    if (place.name == name) return PeopleEntry::PlacedGoal{place.X_WN.translation(), place.X_WN.z};
+    names.push_back(place.name);
+  }
+  return Error{goal.where, "found no place " + Quoted(name) +
+                               ", expected the name of one, or a point [x, y] or [x, y, z]" + DidYouMean(name, names)};
+}
+
+}  // namespace
+
+// Goals by name are resolved later: a place may be that of a building.
+std::vector<PeopleEntry::Goal> ReadGoals(const JsonTree& tree, const JsonNode& object, const char* key, double floor) {
+  std::vector<PeopleEntry::Goal> goals;
+  for (const JsonNode& goal : object.ItemsOf(key)) {
+    if (goal.is_string()) {
+      goals.push_back({goal.text, tree.Where(goal)});
+      continue;
+    }
+    const Vec2 point(goal.items[0].number, goal.items[1].number);
+    const double z = goal.items.size() > 2 ? goal.items[2].number : floor;
+    goals.push_back({PeopleEntry::PlacedGoal{point, z}, tree.Where(goal)});
+  }
+  return goals;
+}
+
+Result<GoalSet> PlacesOf(const WorldDescription& world, const std::vector<PeopleEntry::Goal>& goals) {
+  GoalSet set;
+  for (const PeopleEntry::Goal& goal : goals) {
+    const Result<PeopleEntry::PlacedGoal> place = PlaceOf(world, goal);
+    if (!place.ok()) return place.error();
+    set.points.push_back(place.value().point);
+    set.heights.push_back(place.value().z);
+  }
+  return set;
+}
+
+namespace {
+
 Result<Polygon> ReadRectangle(const JsonTree& tree, const JsonNode& numbers) {
   if (numbers.items.size() != 4) {
     return tree.ErrorAt(
@@ -27,21 +69,6 @@ Result<Interval> ReadInterval(const JsonTree& tree, const JsonNode& value) {
   const Interval interval{value.items[0].number, value.items[1].number};
   if (interval.min <= interval.max) return interval;
   return tree.ErrorAt(value.items[1], "found a greatest value below the least, expected one that is not");
-}
-
-// Goals by name are resolved later: a place may be that of a building.
-std::vector<PeopleEntry::Goal> ReadGoals(const JsonTree& tree, const JsonNode& object, const char* key, double floor) {
-  std::vector<PeopleEntry::Goal> goals;
-  for (const JsonNode& goal : object.ItemsOf(key)) {
-    if (goal.is_string()) {
-      goals.push_back({goal.text, tree.Where(goal)});
-      continue;
-    }
-    const Vec2 point(goal.items[0].number, goal.items[1].number);
-    const double z = goal.items.size() > 2 ? goal.items[2].number : floor;
-    goals.push_back({PeopleEntry::PlacedGoal{point, z}, tree.Where(goal)});
-  }
-  return goals;
 }
 
 Result<PeopleEntry::Visits> ReadVisits(const JsonTree& tree, const JsonNode& object, double floor) {
@@ -104,30 +131,6 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
     entry.visits = std::move(read).value();
   }
   return entry;
-}
-
-Result<PeopleEntry::PlacedGoal> PlaceOf(const WorldDescription& world, const PeopleEntry::Goal& goal) {
-  if (const auto* const placed = std::get_if<PeopleEntry::PlacedGoal>(&goal.place)) return *placed;
-  const std::string& name = std::get<std::string>(goal.place);
-  std::vector<std::string> names;
-  for (const NamedPlace& place : world.places) {
-    if (place.name == name) return PeopleEntry::PlacedGoal{place.X_WN.translation(), place.X_WN.z};
-    names.push_back(place.name);
-  }
-  return Error{goal.where, "found no place " + Quoted(name) +
-                               ", expected the name of one, or a point [x, y] or [x, y, z]" + DidYouMean(name, names)};
-}
-
-// Goals as a set without a name, a time to wait, or successors.
-Result<GoalSet> PlacesOf(const WorldDescription& world, const std::vector<PeopleEntry::Goal>& goals) {
-  GoalSet set;
-  for (const PeopleEntry::Goal& goal : goals) {
-    const Result<PeopleEntry::PlacedGoal> place = PlaceOf(world, goal);
-    if (!place.ok()) return place.error();
-    set.points.push_back(place.value().point);
-    set.heights.push_back(place.value().z);
-  }
-  return set;
 }
 
 // The set of one point of another one.

@@ -51,6 +51,12 @@ struct RecordedEntry {
   RecordedPeople people;
 };
 
+// Goals under a key of an object; those without a height are on the floor. REQUIRES: as the schema describes it
+std::vector<PeopleEntry::Goal> ReadGoals(const JsonTree& tree, const JsonNode& object, const char* key, double floor);
+
+// Goals as a set without a name, a time to wait, or successors. The error is an unknown place.
+Result<GoalSet> PlacesOf(const WorldDescription& world, const std::vector<PeopleEntry::Goal>& goals);
+
 // The area of a region: [xmin, ymin, xmax, ymax], or a polygon of corners [x, y]. REQUIRES: as the schema describes it
 Result<Polygon> ReadRegion(const JsonTree& tree, const JsonNode& region);
 

@@ -15,6 +15,7 @@
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/sites/building_yaml.h"
 #include "worldfile/sites/lif_json.h"
+#include "worldfile/sites/route_graph.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
@@ -268,7 +269,7 @@ void CopyPeople(const WorldDescription& from, WorldDescription& to) {
 }  // namespace
 
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
-  if (IsBuildingPath(path) || IsLayoutPath(path, allowed)) return ReadSiteTree(path, allowed);
+  if (IsBuildingPath(path) || IsRouteGraphPath(path) || IsLayoutPath(path, allowed)) return ReadSiteTree(path, allowed);
   if (IsGridPath(path, allowed)) return ReadGridTree(path, {}, allowed);
   const std::string ending = std::filesystem::path(path).extension().string();
   if (IsGazeboPath(path, allowed)) return ReadGazeboTree(path, allowed);
@@ -382,7 +383,7 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
     built = std::move(reduced);
   }
   PrepareLanes(built.value(), path);
-  if (Status error = AddSiteEntries(file.site, built.value().world); !error.ok()) return error.error();
+  if (Status error = AddSiteEntries(file.site, path, overrides.allowed, built.value()); !error.ok()) return error.error();
   if (Status error = CheckControllersInWorld(built.value(), path, overrides); !error.ok()) return error.error();
   return built;
 }

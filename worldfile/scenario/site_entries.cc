@@ -6,40 +6,10 @@
 #include "common/base/text.h"
 #include "common/model/lane_rules.h"
 #include "common/model/zones.h"
-#include "troupe/rectangle.h"
-#include "worldfile/scenario/people_entries.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
-
-Result<ZoneDescription> ReadZone(const JsonTree& tree, const JsonNode& object) {
-  ZoneDescription zone;
-  zone.name = object.Member("name").text;
-  object.Read("kind", zone.kind);
-  Result<Polygon> region = ReadRegion(tree, object.Member("region"));
-  if (!region.ok()) return region.error();
-  zone.outline = std::move(region).value();
-  object.Read("z", zone.z);
-  object.Read("speed_limit", zone.speed_limit);
-  object.Read("on", zone.is_on);
-  const bool is_speed = zone.kind == ZoneKind::kSpeed;
-  const JsonNode* const limit = object.Find("speed_limit");
-  if (is_speed && limit == nullptr) {
-    return tree.ErrorAt(object, "found a speed zone without 'speed_limit', expected one in m/s");
-  }
-  if (!is_speed && limit != nullptr) {
-    return tree.ErrorAt(*limit, "found a 'speed_limit' of a " + std::string(NameOf(zone.kind)) +
-                                    " zone, expected it of a speed zone alone");
-  }
-  const Rectangle box = BoundingBox(zone.outline);
-  const double cells = (box.max_x - box.min_x) * (box.max_y - box.min_y) / (kCoverageCell * kCoverageCell);
-  if (zone.kind == ZoneKind::kCleaning && cells > static_cast<double>(kMaxCoverageCells)) {
-    return tree.ErrorAt(object.Member("region"),
-                        "found a cleaning zone of more than 10000 m^2, expected a smaller one");
-  }
-  return zone;
-}
 
 FlowEntry ReadFlow(const JsonTree& tree, const JsonNode& object) {
   FlowEntry entry;
@@ -219,6 +189,9 @@ Status AddEvent(const EventEntry& event, WorldDescription& world) {
     std::vector<std::string> names;
     for (const ZoneDescription& zone : world.zones) names.push_back(zone.name);
     return NoThing(event, "zone", names);
+  } else if (world.zones[action.number].kind == ZoneKind::kOneWay) {
+    return Error{event.where, "found the one_way zone " + Quoted(event.name) +
+                                  ", which is on for the whole run, expected a zone of another kind"};
   }
   world.timed_actions.push_back(action);
   return Status();
@@ -228,16 +201,9 @@ Status AddEvent(const EventEntry& event, WorldDescription& world) {
 
 Result<SiteEntries> ReadSiteEntries(const JsonTree& tree, const JsonNode& root) {
   SiteEntries entries;
-  for (const JsonNode& object : root.ItemsOf("zones")) {
-    Result<ZoneDescription> zone = ReadZone(tree, object);
-    if (!zone.ok()) return zone.error();
-    const auto same = [&](const ZoneDescription& other) { return other.name == zone.value().name; };
-    if (std::any_of(entries.zones.begin(), entries.zones.end(), same)) {
-      return tree.ErrorAt(object.Member("name"),
-                          "found the zone '" + zone.value().name + "' again, expected another name");
-    }
-    entries.zones.push_back(std::move(zone).value());
-  }
+  Result<std::vector<ZoneEntry>> zones = ReadZoneEntries(tree, root);
+  if (!zones.ok()) return zones.error();
+  entries.zones = std::move(zones).value();
   for (const JsonNode& object : root.ItemsOf("flows")) entries.flows.push_back(ReadFlow(tree, object));
   for (const JsonNode& object : root.ItemsOf("events")) {
     Result<EventEntry> event = ReadEvent(tree, object);
@@ -247,8 +213,10 @@ Result<SiteEntries> ReadSiteEntries(const JsonTree& tree, const JsonNode& root) 
   return entries;
 }
 
-Status AddSiteEntries(const SiteEntries& entries, WorldDescription& world) {
-  world.zones = entries.zones;
+Status AddSiteEntries(const SiteEntries& entries, const std::string& path, const AllowedPaths& allowed,
+                      LoadedWorld& loaded) {
+  if (Status problem = AddZones(entries.zones, path, allowed, loaded); !problem.ok()) return problem;
+  WorldDescription& world = loaded.world;
   for (const FlowEntry& flow : entries.flows) {
     if (Status problem = AddFlow(flow, world); !problem.ok()) return problem;
   }

@@ -1,4 +1,4 @@
-// The keys "zones", "flows" and "events" of a scenario: what an operator of its site has.
+// The keys "flows" and "events" of a scenario: what an operator of its site has, beside its zones (zone_entries.h).
 //
 // Two steps, as for people: entries are read with the scenario, and their names of doors, lifts, lanes and places are
 // found when the world is built. Each error has the place of the text.
@@ -11,6 +11,7 @@
 #include "common/base/json_tree.h"
 #include "troupe/result.h"
 #include "worldfile/models/build_world.h"
+#include "worldfile/scenario/zone_entries.h"
 
 namespace troupe {
 
@@ -30,7 +31,7 @@ struct EventEntry {
 };
 
 struct SiteEntries {
-  std::vector<ZoneDescription> zones;
+  std::vector<ZoneEntry> zones;
   std::vector<FlowEntry> flows;
   std::vector<EventEntry> events;
 };
@@ -38,7 +39,8 @@ struct SiteEntries {
 // REQUIRES: the tree is valid by the schema.
 Result<SiteEntries> ReadSiteEntries(const JsonTree& tree, const JsonNode& root);
 
-// The world with these; its doors, lifts and lanes are complete.
-Status AddSiteEntries(const SiteEntries& entries, WorldDescription& world);
+// The world with these; its doors, lifts and lanes are complete. `path`: of the scenario.
+Status AddSiteEntries(const SiteEntries& entries, const std::string& path, const AllowedPaths& allowed,
+                      LoadedWorld& loaded);
 
 }  // namespace troupe

@@ -13,6 +13,7 @@
 #include "worldfile/sites/floor_edges.h"
 #include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/node_maker.h"
+#include "worldfile/sites/route_graph.h"
 #include "worldfile/sites/site_robots.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
@@ -395,7 +396,9 @@ Result<WorldTree> SiteTree(std::shared_ptr<const Site> site) {
 }
 
 Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allowed) {
-  Result<Site> site = IsBuildingPath(path) ? ReadBuilding(path, allowed) : ReadLayout(path, allowed);
+  Result<Site> site = IsBuildingPath(path)     ? ReadBuilding(path, allowed)
+                      : IsRouteGraphPath(path) ? ReadRouteGraph(path, allowed)
+                                               : ReadLayout(path, allowed);
   if (!site.ok()) return site.error();
   return SiteTree(std::make_shared<const Site>(std::move(site).value()));
 }

@@ -139,7 +139,7 @@ export function findEntity(world: World, name: string): Entity | null {
 // A person that is not in the world at present is this far below it, as in troupe/world_state.h.
 const AWAY_Z = -500_000;
 
-export function isAway(pose: Pose): boolean {
+export function isAway(pose: {z: number}): boolean {
   return pose.z < 0.5 * AWAY_Z;
 }
 

@@ -20,6 +20,7 @@ import {Rays, SensorMarks} from './sensor_marks';
 import {Ground, StaticMap} from './static_map';
 import {Surfaces} from './surfaces';
 import {TrafficMarks} from './traffic_marks';
+import {ZoneMarks} from './zone_marks';
 
 export type ViewName = 'orbit' | 'top';
 
@@ -50,6 +51,7 @@ export class WorldScene {
   readonly labels: Labels;
   readonly trails = new Trails();
   readonly traffic = new TrafficMarks();
+  readonly zones = new ZoneMarks();
   readonly motion = new Motion();
   view: ViewName = 'orbit';
   following = false;
@@ -102,7 +104,8 @@ export class WorldScene {
     for (const light of this.surfaces.lights()) light.layers.enableAll();
     for (const camera of [this.perspective, this.orthographic]) camera.layers.enableAll();
     this.scene.add(
-      ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.traffic.group,
+      ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.zones.group,
+      this.traffic.group,
       this.ring, this.ghost);
     this.ring.visible = false;
     this.ghost.visible = false;
@@ -230,6 +233,7 @@ export class WorldScene {
     this.setting.map.show(run);
     this.rays.show(run, this.setting.bodies);
     this.marks.show(run);
+    this.zones.show(run);
     this.traffic.show(run);
     const placed = selected ? poseOf(run, selected) : null;
     const pose = placed && !isAway(placed) ? placed : null;

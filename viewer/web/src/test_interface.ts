@@ -9,6 +9,7 @@ import type {Plots} from './plots';
 import {scansOf, type Pose, type RunStatus} from './protocol';
 import {findEntity, type Run} from './run';
 import type {WorldScene} from './scene';
+import type {ShownZone} from './zone_marks';
 
 export interface ShownRobot {
   name: string;
@@ -30,6 +31,8 @@ export interface TestInterface {
   goals(): Array<{robot: string; to: number[]; way: number}>;
   // The traffic that is drawn: the robots whose ways are, and the arrows.
   traffic(): {ways: string[]; waits: Array<{robot: string; thing: string; ring: boolean}>};
+  // The zones that are drawn.
+  zones(): ShownZone[];
   // The names by index.
   names(): {models: string[]; robots: string[]};
   // Whether each light is lit, by the name of its model.
@@ -113,6 +116,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
     goals: () => (host.run()?.goals ?? []).map(goal => ({
       robot: host.run()!.world.robots[goal.robot].name, to: [...goal.waypoints.slice(-2)], way: goal.way.length / 2,
     })),
+    zones: () => scene.zones.shown,
     traffic: () => {
       const world = host.run()?.world;
       if (!world || !scene.traffic.visible) return {ways: [], waits: []};

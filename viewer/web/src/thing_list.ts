@@ -8,6 +8,7 @@ import {byId, fixed, make, setText} from './dom';
 import type {Levels} from './levels';
 import {OBJECT_MODES} from './protocol';
 import {isAway, nameOf, sameEntity, type Entity, type Run} from './run';
+import {ZONE_KINDS} from './zone_marks';
 
 const MOST_SHOWN = 200;  // of a kind
 const ROBOTS = 'Robots';
@@ -178,9 +179,12 @@ function kindsOf(run: Run): Array<[string, Thing[]]> {
   const objects = world.objects.flatMap((model, i) => world.models[model].removed || parts.has(i) ? [] :
     [thing({kind: 'object', index: i}, now => OBJECT_MODES[now.objects[i]?.mode] ?? '')]);
   const levels = world.levels.map(({name}, i): Thing => ({name, entity: null, text: (now, all) => levelText(now, all, i)}));
-  const zones = world.zones.map(({name}, i): Thing => ({
-    name, entity: null, text: now => zoneText(now, i), title: 'Switch it on or off',
-    request: now => ['zone', {name, on: !(now.zones[i]?.on ?? true)}],
+  const zones = world.zones.map(({name, kind}, i): Thing => ({
+    name, entity: null, text: now => zoneText(now, i),
+    // A one_way zone is a part of the lanes.
+    ...ZONE_KINDS[kind] === 'one_way' ? {} : {
+      title: 'Switch it on or off', request: (now: Run): [string, object] => ['zone', {name, on: !(now.zones[i]?.on ?? true)}],
+    },
   }));
   return [['Doors', doors], ['Lifts', lifts], ['People', people], ['Objects', objects], ['Levels', levels.length > 1 ? levels : []],
     ['Zones', zones], ['Lanes', lanesOf(run)]];
@@ -218,8 +222,6 @@ function laneText(run: Run, lane: number): string {
   const limit = limitOf(run, lane);
   return limit === undefined ? 'open' : limit === 0 ? 'closed' : `${fixed(limit, 2)} m/s`;
 }
-
-const ZONE_KINDS = ['keepout', 'speed', 'cleaning'];
 
 function zoneText(run: Run, zone: number): string {
   const {kind, speedLimit} = run.world.zones[zone];
