@@ -16,9 +16,11 @@ template <typename Height>
 void AddLevel(StateTable& table, Height height) {
   Signal signal{"level", "", "the level of the building nearest to its height", ValueType::kText, {}};
   signal.number = [height](const SignalView& view, std::size_t row) {
+    if (IsAway(Pose{0.0, 0.0, height(view.state, row), 0.0})) return kNoNumber;
     return static_cast<double>(LevelNumberAt(view.world.levels, height(view.state, row)));
   };
   signal.text = [height](const SignalView& view, std::size_t row) {
+    if (IsAway(Pose{0.0, 0.0, height(view.state, row), 0.0})) return std::string();
     return LevelAt(view.world.levels, height(view.state, row));
   };
   signal.possible = [](const WorldDescription& world) {

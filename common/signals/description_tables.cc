@@ -23,7 +23,7 @@ void AddCounts(StateTable& table, const char* documentation, IsThere is_there) {
       double count = 0.0;
       ThingId thing = view.things.first(kind());
       for (const auto& body : view.state.*bodies) {
-        if (view.things.exists(thing++) && is_there(view, row, body.*pose)) count += 1.0;
+        if (view.things.exists(thing++) && !IsAway(body.*pose) && is_there(view, row, body.*pose)) count += 1.0;
       }
       return count;
     });

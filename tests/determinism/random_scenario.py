@@ -96,9 +96,12 @@ class Generator(random.Random):
     def people(self, half_width, z=0):
         region = [-half_width, -half_width, half_width, half_width]
         goals = [[self.uniform(-half_width, half_width), self.uniform(-half_width, half_width)] for _ in range(4)]
-        return {"count": self.randint(1, 6), "region": region, "z": z, "goals": goals, "wait": [0, self.uniform(0, 3)],
-                "name_prefix": f"person_{z}_", "group": self.randint(1, 2),
-                "reaction": self.choice(("regular", "curious", "scared", "careless"))}
+        people = {"count": self.randint(1, 6), "region": region, "z": z, "goals": goals, "wait": [0, self.uniform(0, 3)],
+                  "name_prefix": f"person_{z}_", "group": self.randint(1, 2),
+                  "reaction": self.choice(("regular", "curious", "scared", "careless"))}
+        if self.randint(1, 3) == 1:
+            people["visits"] = {"per_hour": self.uniform(1000, 20000), "exits": goals[:2], "stops": self.randint(0, 2)}
+        return people
 
     def building(self, half_width):
         """Two storeys in a random system of coordinates, with walls, doors of all kinds, a lift and people."""
