@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -129,6 +130,28 @@ TEST_F(Zones, OfAMaskWithHolesAndCornersThatTouchCoverItsCells) {
     }
   }
   EXPECT_EQ(found, occupied);
+}
+
+// Rings, pinches and single cells of all forms.
+TEST_F(Zones, OfRandomMasksGiveTheSameMasksAgain) {
+  OccupancyGrid cells;
+  cells.resolution = 0.25;
+  cells.origin_x = -2.0;
+  cells.origin_y = 1.0;
+  cells.width = 11;
+  cells.height = 9;
+  std::uint64_t chance = 7;
+  for (int mask = 0; mask < 60; ++mask) {
+    std::string image = "P5\n11 9\n255\n";
+    for (int i = 0; i < 99; ++i) {
+      chance = chance * 6364136223846793005U + 1442695040888963407U;
+      image += (chance >> 60) < static_cast<std::uint64_t>(4 + mask % 10) ? '\0' : '\xff';
+    }
+    folder_.Write("m.pgm", image);
+    folder_.Write("m.yaml", "image: m.pgm\nmode: scale\nresolution: 0.25\norigin: [-2, 1, 0]\nnegate: 0\noccupied_thresh: 1\nfree_thresh: 0\n");
+    const LoadedWorld read = Load("[3, 0]", R"(, "zones": [{"name": "no", "kind": "keepout", "mask": "m.yaml"}])");
+    EXPECT_EQ(MakeZoneMask(read.world, ZoneKind::kKeepout, 0.0, cells, "").image, image) << mask;
+  }
 }
 
 TEST_F(Zones, OfASpeedMaskInPercentAreLimitsOfItsMaximum) {
