@@ -57,7 +57,7 @@ function(troupe_manual_page program subcommand)
   set(pages ${pages} PARENT_SCOPE)
 endfunction()
 troupe_manual_page(troupe "")
-foreach(subcommand run replay test sweep export check top view edit host loopback snapshot ctl goto teleop export-map import-plan fleet keys
+foreach(subcommand run replay test sweep export check top view edit host loopback snapshot ctl goto teleop export-map export-views import-plan fleet keys
                    completions help)
   troupe_manual_page(troupe ${subcommand})
 endforeach()

@@ -6,9 +6,11 @@
 
 #include "fuzz/targets.h"
 #include "worldfile/models/build_world.h"
+#include "worldfile/plans/floor_plan.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/building_yaml.h"
 #include "worldfile/sites/lif_json.h"
+#include "worldfile/sites/route_graph.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 
@@ -94,6 +96,27 @@ void Building(Bytes bytes) {
 
 void Layout(Bytes bytes) {
   CheckSite(ReadLayoutText(TextOf(bytes), "fuzz/s.lif.json"));
+}
+
+void RouteGraph(Bytes bytes) {
+  CheckSite(ReadRouteGraphText(TextOf(bytes), "fuzz/g.geojson"));
+}
+
+// Feeds any bytes to the readers of floor plans. The walls that come of a drawing are a valid world.
+void FloorPlan(Bytes bytes) {
+  const std::string text = TextOf(bytes);
+  const Result<troupe::FloorPlan> plan =
+      text.starts_with('<') ? ReadSvgPlan(text, "fuzz/p.svg", 0.001) : ReadDxfPlan(text, "fuzz/p.dxf", 0.001);
+  if (!plan.ok()) return CheckMessage(plan.error().where, plan.error().message);
+  for (const Warning& warning : plan.value().warnings) CheckMessage(warning.where, warning.message);
+  std::size_t lines = 0;
+  for (const PlanLayer& layer : plan.value().layers) lines += layer.lines.size();
+  if (lines > 200) return;  // a world of them takes too long for an execution
+  const Result<std::string> world = PlanWorldText(plan.value(), {}, "p.dxf");
+  if (!world.ok()) return Check(!world.error().message.empty());
+  const Result<WorldTree> tree = ParseStageText(world.value(), "w.world");
+  Check(tree.ok());
+  CheckBuilt(tree.value());
 }
 
 void Scenario(Bytes bytes) {

@@ -47,6 +47,7 @@ int Main(int argc, const char* const* argv) {
   AddExportMapCommand(app, exit_status);
   AddFleetCommand(app, exit_status);
   AddKeysCommand(app, exit_status);
+  AddExportViewsCommand(app, exit_status);
   AddImportPlanCommand(app, exit_status);
   AddLoopbackCommand(app, exit_status);
   AddHostCommand(app, exit_status);

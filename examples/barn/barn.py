@@ -8,7 +8,8 @@ Robot, start, goal, end and score are those of the challenge: a Jackal of 0.508 
 720 rays over 270 degrees, from (-2.25, 3) to within 1 m of (-2.25, 13), without a contact, in 100 s. Where Gazebo's runs
 differ by its physics, these differ by the start, which each run shifts by up to 5 cm and 3 degrees.
 
-Planners: "map" is the controller `go_to`, which knows the map; "lidar" knows its ranges and the direction of the goal alone.
+Planners: "map" is the controller `go_to`, which knows the map; "scan" draws a map of its own from its ranges, and plans in that
+(mapper.py); "lidar" knows its ranges and the direction of the goal alone.
 """
 
 import argparse
@@ -22,6 +23,8 @@ import xml.etree.ElementTree as xml
 
 import numpy
 import troupe
+
+from mapper import Mapper
 
 START, GOAL, LIMIT, TOP_SPEED = (-2.25, 3.0, 1.57), (-2.25, 13.0), 100.0, 2.0
 RADIUS = 0.075  # m, of the cylinders
@@ -59,7 +62,7 @@ def world_of(places, planner):
     corners = [(radius * math.cos(2 * math.pi * i / SIDES), radius * math.sin(2 * math.pi * i / SIDES)) for i in range(SIDES)]
     for x, y in places:
         world.block([(x + dx, y + dy) for dx, dy in corners], color="gray50", name="cylinder")
-    controller = {"map": "go_to", "lidar": "idle"}[planner]
+    controller = "go_to" if planner == "map" else "idle"
     parameters = {"speed": 0.9, "turn_rate": 1.6} if planner == "map" else None
     scanner = troupe.lidar(10.0, FIELD, RAYS)
     scanner["pose"] = [-0.065, 0.0, 0.25, 0.0]
@@ -129,11 +132,16 @@ def run(checkout, numbers, runs, planner, threads=0):
     at = vector.poses()[:, 0]
     origin = at.copy()
     motion = numpy.zeros((count, 1, 2))
+    mappers = [Mapper(numpy.linspace(-FIELD / 2, FIELD / 2, RAYS), GOAL) for _ in range(count if planner == "scan" else 0)]
     ticks = 0
     while running.any() and ticks * interval < LIMIT + 5:
-        if planner == "lidar":
+        if planner != "map":
             motion[:] = 0.0
-            motion[running, 0] = gap_motion(vector.ranges()[running, 0], at[running])
+            ranges = vector.ranges()[:, 0]
+            if planner == "lidar":
+                motion[running, 0] = gap_motion(ranges[running], at[running])
+            for i in numpy.flatnonzero(running) if planner == "scan" else ():
+                motion[i, 0] = mappers[i].motion(ranges[i], at[i])
             vector.drive(motion)
         vector.step()
         ticks += 1
@@ -160,7 +168,7 @@ def main():
     parser.add_argument("checkout", help="folder of the challenge's repository")
     parser.add_argument("--worlds", type=int, nargs="*", default=list(range(0, 300, 6)), help="numbers, by default 0, 6, ... 294")
     parser.add_argument("--runs", type=int, default=10, help="of each world (10)")
-    parser.add_argument("--planner", choices=("map", "lidar"), default="map")
+    parser.add_argument("--planner", choices=("map", "scan", "lidar"), default="map")
     parser.add_argument("--threads", type=int, default=0, help="0: one for each core")
     parser.add_argument("--csv", help="a file for the runs: world success collided timeout time score")
     options = parser.parse_args()

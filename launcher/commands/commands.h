@@ -41,6 +41,7 @@ void AddExportCommand(CLI::App& app, int& exit_status);
 void AddExportMapCommand(CLI::App& app, int& exit_status);
 void AddKeysCommand(CLI::App& app, int& exit_status);
 void AddFleetCommand(CLI::App& app, int& exit_status);
+void AddExportViewsCommand(CLI::App& app, int& exit_status);
 void AddImportPlanCommand(CLI::App& app, int& exit_status);
 void AddLoopbackCommand(CLI::App& app, int& exit_status);
 void AddHostCommand(CLI::App& app, int& exit_status);

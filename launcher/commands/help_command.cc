@@ -50,6 +50,7 @@ constexpr Example kExamples[] = {
     {"snapshot", "troupe snapshot office.world -o office.png", "the world from above"},
     {"snapshot", "troupe snapshot office.world --tick 100 --rays --view side -o side.svg", "after 100 ticks"},
     {"export-map", "troupe export-map office.world -o office.yaml", "for ROS's map_server"},
+    {"export-views", "troupe export-views office.json -o office", "for rviz2 -d office.rviz, and Foxglove"},
     {"import-plan", "troupe import-plan hall.dxf -o hall.world --layer 'A-WALL*'", "walls of a drawing"},
     {"loopback", "troupe loopback office.yaml --params nav2_params.yaml", "in place of nav2_loopback_sim"},
     {"fleet", "troupe fleet check --vda5050 mqtt://localhost --for 60 --junit results.xml",

@@ -40,7 +40,7 @@ std::string Absolute(const std::string& path) {
 }
 
 // The scenario of a map with the robot: `robot` is the path of its file. The own one is as fast as it is told.
-std::string ScenarioText(const LoopbackOptions& options, const LoopbackParameters& parameters, const std::string& robot,
+std::string LoopbackScenario(const LoopbackOptions& options, const LoopbackParameters& parameters, const std::string& robot,
                          bool is_own) {
   Json properties = {{"localization", "gps"}};
   if (is_own) properties["velocity_bounds"] = {-10, 10, -10, 10, 0, 0, -720, 720};
@@ -83,7 +83,7 @@ int LoopbackCommand(LoopbackOptions options, const std::vector<std::string>& ros
   const bool is_map = !options.run.file.ends_with(".json");
   if (is_map) {
     const std::string scenario = folder.path() + "/" + std::filesystem::path(options.run.file).stem().string() + ".json";
-    const Status failure = WriteWholeFile(scenario, ScenarioText(options, parameters, robot, is_own));
+    const Status failure = WriteWholeFile(scenario, LoopbackScenario(options, parameters, robot, is_own));
     if (!failure.ok()) return Fail(failure.error());
     options.run.file = scenario;
   } else {

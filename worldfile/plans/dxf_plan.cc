@@ -75,7 +75,7 @@ class DxfReader {
     }
     if (error_) return *error_;
     if (!unit_) {
-      return Error{{path_}, "found no unit ($INSUNITS), expected one: --unit m, cm, mm, in, ft or metres of a unit"};
+      return Error{{path_, 1, 1}, "found no unit ($INSUNITS), expected one: --unit m, cm, mm, in, ft or metres of a unit"};
     }
     const PlanTransform to_plan = PlanTransform::Scale(*unit_, *unit_);
     for (const DxfEntity& entity : entities_) {
