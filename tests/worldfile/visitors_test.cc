@@ -114,6 +114,9 @@ TEST(Visits, GroupsComeTogetherAndLeave) {
   std::uint32_t visits = 0;
   for (const VisitorState& visitor : run.state().visitors) visits += visitor.visits;
   EXPECT_GE(visits, 30U);
+  // No more than those of the last minute: the others have left, the followers, too.
+  run.Step(9000);
+  EXPECT_EQ(run.state().visitor_flows[0].refused, 0U);
   EXPECT_LE(CountPresent(run.state()), 12U);
 }
 

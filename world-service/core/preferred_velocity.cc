@@ -117,12 +117,11 @@ class Walk {
   void GiveUp() {
     if (!leader_) person_.dwell_ticks = std::max<std::uint32_t>(TicksOf(view_.world(), kGivenUp), 1);
   }
-  // A follower stays with its leader, and leaves after it.
+  // All of a group leave one by one: a follower that waited at the exit would be in its leader's way.
   void Arrive() {
-    if (leader_) return;
     if (IsExit(view_.world(), person_.goals)) {
       leaves_ = true;
-    } else {
+    } else if (!leader_) {
       ArriveAtGoal(view_.world(), id_, person_);
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <memory_resource>
 #include <optional>
@@ -209,7 +210,7 @@ class Crowd {
     // A person needs two free names, for the trunk and for the head.
     std::string name;
     do {
-      name = rule.name_prefix + std::to_string(++numbers_);
+      name = rule.name_prefix + std::to_string(++numbers_[rule.name_prefix]);
     } while (names_.contains(name) || names_.contains(name + ".head"));
     ModelDescription model;
     model.name = name;
@@ -265,7 +266,7 @@ class Crowd {
   std::unique_ptr<const WalkGrid> grid_;   // of the present rule, like the next
   std::unique_ptr<const WalkField> ways_;  // to its point
   std::set<std::string> names_;
-  std::uint64_t numbers_ = 0;
+  std::map<std::string, std::uint64_t> numbers_;  // of the last person, by prefix
   std::vector<Start> starts_;
   std::optional<PersonId> leader_;
   NearPieces near_;

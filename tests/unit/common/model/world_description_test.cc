@@ -166,9 +166,17 @@ WorldDescription WorldOfEachRow() {
   one(world.lane_graphs[0].lanes[0].doors);
   one(world.zones);
   one(world.zones[0].outline);
+  world.zones[0].exits = 0;
   one(world.flows);
   one(world.timed_actions);
   one(world.lane_trips);
+  one(world.visitor_flows);
+  world.visitor_flows[0].times = world.visitor_flows[0].per_hour = {1.0};
+  one(world.visitors);
+  world.visitors[0].flow = 0;
+  world.visitors[0].track = {{1.0, 2.0}};
+  world.visitors[0].track_times = {3.0};
+  world.exits = {0};
   world.lane_trips[0].goals = world.lane_trips[0].path = world.lane_trips[0].steps = {0};
   return world;
 }
