@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 
 struct LoopbackOptions {
   RunOptions run;
-  std::string parameters;              // file; empty: the defaults
+  std::string parameters;                // file; empty: the defaults
   std::vector<double> pose = {0, 0, 0};  // m, m, degrees
   // Options of the command line, which count before the parameters.
   bool has_speed = false;
@@ -82,7 +82,8 @@ int LoopbackCommand(LoopbackOptions options, const std::vector<std::string>& ros
   // A scenario has its robots, objects and people; a map needs one.
   const bool is_map = !options.run.file.ends_with(".json");
   if (is_map) {
-    const std::string scenario = folder.path() + "/" + std::filesystem::path(options.run.file).stem().string() + ".json";
+    const std::string scenario =
+        folder.path() + "/" + std::filesystem::path(options.run.file).stem().string() + ".json";
     const Status failure = WriteWholeFile(scenario, ScenarioText(options, parameters, robot, is_own));
     if (!failure.ok()) return Fail(failure.error());
     options.run.file = scenario;
