@@ -70,6 +70,9 @@ int LoopbackCommand(LoopbackOptions options, const std::vector<std::string>& ros
   if (options.run.load.robots.size() > 1) {
     return Fail({{}, "found two robots of --robot, expected one: a scenario has others, each with its 'ros_domain'"});
   }
+  if (!options.run.load.robots.empty() && options.run.load.robots.front().find('@') != std::string::npos) {
+    return Fail({{}, "found a place in --robot, expected a file: --pose X,Y,HEADING is where the robot starts"});
+  }
   const TemporaryFolder folder;
   const bool is_own = options.run.load.robots.empty();
   std::string robot = folder.path() + "/robot.urdf";
