@@ -15,15 +15,15 @@ namespace troupe::fuzz {
 using Bytes = std::span<const std::byte>;
 
 // Files of users.
-void World(Bytes bytes);      // a Stage world
-void Scenario(Bytes bytes);   // a JSON scenario
-void Image(Bytes bytes);      // an image, to the body of a model
-void MapYaml(Bytes bytes);    // a ROS map's YAML, and behind a zero byte its image
-void Building(Bytes bytes);   // a building of Open-RMF
-void Layout(Bytes bytes);     // a layout in LIF
+void World(Bytes bytes);       // a Stage world
+void Scenario(Bytes bytes);    // a JSON scenario
+void Image(Bytes bytes);       // an image, to the body of a model
+void MapYaml(Bytes bytes);     // a ROS map's YAML, and behind a zero byte its image
+void Building(Bytes bytes);    // a building of Open-RMF
+void Layout(Bytes bytes);      // a layout in LIF
 void RouteGraph(Bytes bytes);  // a graph of Nav2's route server
-void FloorPlan(Bytes bytes);  // a drawing: SVG if it begins with "<", else DXF
-void Recording(Bytes bytes);  // a recorded run: behind a zero byte a file, behind another one its messages
+void FloorPlan(Bytes bytes);   // a drawing: SVG if it begins with "<", else DXF
+void Recording(Bytes bytes);   // a recorded run: behind a zero byte a file, behind another one its messages
 
 // The language of expectations: a text, as an expectation, or behind a space as a metric.
 void Expectation(Bytes bytes);

@@ -40,6 +40,7 @@ set(may_include_worldfile/grids
   common/base common/geometry common/model common/bitmap common/traffic worldfile/sites worldfile/stage worldfile/text)
 set(may_include_worldfile/gazebo
   common/base common/geometry common/model common/bitmap worldfile/sites worldfile/stage worldfile/text)
+set(may_include_worldfile/plans common/base common/geometry worldfile/text)
 set(may_include_worldfile/models/properties
   common/base common/geometry common/model worldfile/grids worldfile/map worldfile/stage worldfile/text)
 set(may_include_worldfile/models/types
@@ -205,7 +206,7 @@ set(may_include_launcher/supervise
   worldfile worldfile/grids worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
 set(may_include_launcher/export
-  common/base common/sensing common/signals common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove common/model worldfile/grids
+  common/base common/geometry common/sensing common/signals common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove common/model worldfile/grids
   world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
@@ -213,7 +214,7 @@ set(may_include_launcher/commands
   common/base command_line fleet transport/dds/tools transport/mqtt common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/grids worldfile/models worldfile/scenario
-  worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
+  worldfile/map worldfile/plans worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
   testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder
   world-service/program world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)

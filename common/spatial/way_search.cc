@@ -46,7 +46,8 @@ class WaySearch {
     if (!start) return Failure("nothing around the robot is free");
     const std::optional<std::size_t> end = CellOfGoal(grid_, to);
     if (!end) return Failure("there is no room for the robot");
-    if (zones_ != nullptr && zones_->IsClosed(*end)) return Failure("it is in a keepout zone that is on, or too near to one");
+    if (zones_ != nullptr && zones_->IsClosed(*end))
+      return Failure("it is in a keepout zone that is on, or too near to one");
     std::optional<std::size_t> target = end;
     if (IsTaken(*end)) {
       target = grid_.Nearest(to, [&](std::size_t cell) { return IsOpen(cell) && !IsTaken(cell); });

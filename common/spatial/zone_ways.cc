@@ -94,9 +94,8 @@ ZoneWays::ZoneWays(const WorldDescription& world, const WorldState& state, doubl
       const Vec2 along(WalkGrid::kSteps[step].columns, WalkGrid::kSteps[step].rows);
       if (IsAgainst(zone, along)) steps = static_cast<std::uint8_t>(steps | (1U << step));
     }
-    ForEachInside(grid, zone.outline, [&](std::size_t cell) {
-      against_[cell] = static_cast<std::uint8_t>(against_[cell] | steps);
-    });
+    ForEachInside(grid, zone.outline,
+                  [&](std::size_t cell) { against_[cell] = static_cast<std::uint8_t>(against_[cell] | steps); });
   }
 }
 

@@ -41,17 +41,17 @@ class ZoneWays {
 
  private:
   const WorldDescription& world_;
-  double z_;                               // m, W
-  std::vector<std::size_t> one_way_;       // in WorldDescription::zones
-  std::vector<bool> closed_;               // by cell
-  std::vector<std::uint8_t> against_;      // by cell: a bit for each step that is against the traffic
+  double z_;                           // m, W
+  std::vector<std::size_t> one_way_;   // in WorldDescription::zones
+  std::vector<bool> closed_;           // by cell
+  std::vector<std::uint8_t> against_;  // by cell: a bit for each step that is against the traffic
 };
 
 // Whether zones of the kinds that limit ways are on, by zone: other ways are to be searched once it changes.
 std::vector<bool> ZonesOnWays(const WorldDescription& world, const WorldState& state);
 
-// m, along a polyline from `here` through `points[next]` and the points behind it (W), until the body of a robot of that
-// radius (m) touches a release zone that is on and comes nearer to it; at most `most`. Points are looked at every
+// m, along a polyline from `here` through `points[next]` and the points behind it (W), until the body of a robot of
+// that radius (m) touches a release zone that is on and comes nearer to it; at most `most`. Points are looked at every
 // `step` m.
 double RoomBeforeRelease(const WorldDescription& world, const WorldState& state, const Vec2& here,
                          const std::vector<Vec2>& points, std::size_t next, double z, double radius, double step,

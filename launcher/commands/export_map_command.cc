@@ -193,7 +193,8 @@ Status WriteZones(const ExportMapOptions& options, const WorldDescription& world
   if (world.zones.empty()) return Error{{options.file}, "found no zones, expected a scenario with 'zones'"};
   const OccupancyGrid grid = CellsOfMasks(map, world, options.resolution);
   std::string filters =
-      "# The parameters of Nav2's nodes map_server and costmap_filter_info_server for these masks, and of its costmaps.\n";
+      "# The parameters of Nav2's nodes map_server and costmap_filter_info_server for these masks, and of its "
+      "costmaps.\n";
   for (const auto& [kind, ending] : kMaskKinds) {
     const std::string name = options.output + ending;
     const std::string file = std::filesystem::path(name).filename().string();
@@ -238,7 +239,8 @@ int ExportMapCommand(const ExportMapOptions& options) {
   if (options.building) outputs.push_back({"--building", options.output + kBuildingEnding});
   if (options.zones) {
     for (const auto& [kind, ending] : kMaskKinds) {
-      for (const char* part : {kImageEnding, kMapEnding}) outputs.push_back({"--zones", options.output + ending + part});
+      for (const char* part : {kImageEnding, kMapEnding})
+        outputs.push_back({"--zones", options.output + ending + part});
     }
     outputs.push_back({"--zones", options.output + kFiltersEnding});
   }

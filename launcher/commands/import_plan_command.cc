@@ -60,7 +60,8 @@ int ImportPlanCommand(const ImportPlanOptions& options) {
   if (!options.unit.empty()) {
     unit = LengthOfUnit(options.unit);
     if (!unit) {
-      return Fail({{}, "option --unit: found '" + options.unit + "', expected m, cm, mm, in, ft or the metres of a unit"});
+      return Fail(
+          {{}, "option --unit: found '" + options.unit + "', expected m, cm, mm, in, ft or the metres of a unit"});
     }
   }
   PlanWalls walls{options.thickness, options.height, {}};
@@ -93,14 +94,23 @@ int ImportPlanCommand(const ImportPlanOptions& options) {
 void AddImportPlanCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("import-plan", "Write the walls of a floor plan (DXF, SVG) as a world file");
   auto options = std::make_shared<ImportPlanOptions>();
-  command->add_option("file", options->file, "The drawing: .dxf (text) or .svg")->required()->check(NotEmpty())->type_name("FILE");
-  command->add_option("-o,--output", options->output, "The world file")->required()->check(NotEmpty())->type_name("FILE.world");
+  command->add_option("file", options->file, "The drawing: .dxf (text) or .svg")
+      ->required()
+      ->check(NotEmpty())
+      ->type_name("FILE");
+  command->add_option("-o,--output", options->output, "The world file")
+      ->required()
+      ->check(NotEmpty())
+      ->type_name("FILE.world");
   command
-      ->add_option("--unit", options->unit, "The unit of the drawing: m, cm, mm, in, ft, or its length in metres "
-                                            "(default: what the file says)")
+      ->add_option("--unit", options->unit,
+                   "The unit of the drawing: m, cm, mm, in, ft, or its length in metres "
+                   "(default: what the file says)")
       ->check(NotEmpty())
       ->type_name("UNIT");
-  command->add_option("--scale", options->scale, "By how much larger the building is than its drawing, as 50 for 1:50 (default: 1)")
+  command
+      ->add_option("--scale", options->scale,
+                   "By how much larger the building is than its drawing, as 50 for 1:50 (default: 1)")
       ->check(PositiveNumber())
       ->type_name("N");
   command->add_option("--thickness", options->thickness, "Of the walls, in metres (default: 0.1)")
@@ -110,9 +120,10 @@ void AddImportPlanCommand(CLI::App& app, int& exit_status) {
       ->check(PositiveNumber())
       ->type_name("METRES");
   command
-      ->add_option("--layer", options->layers,
-                   "A layer that has walls, perhaps of a height of its own; * and ? stand for other letters; repeatable "
-                   "(default: all layers)")
+      ->add_option(
+          "--layer", options->layers,
+          "A layer that has walls, perhaps of a height of its own; * and ? stand for other letters; repeatable "
+          "(default: all layers)")
       ->check(NotEmpty())
       ->type_name("NAME[=METRES]")
       ->allow_extra_args(false);

@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 
 struct LoopbackOptions {
   RunOptions run;
-  std::string parameters;              // file; empty: the defaults
+  std::string parameters;                // file; empty: the defaults
   std::vector<double> pose = {0, 0, 0};  // m, m, degrees
   // Options of the command line, which count before the parameters.
   bool has_speed = false;
@@ -70,6 +70,9 @@ int LoopbackCommand(LoopbackOptions options, const std::vector<std::string>& ros
   if (options.run.load.robots.size() > 1) {
     return Fail({{}, "found two robots of --robot, expected one: a scenario has others, each with its 'ros_domain'"});
   }
+  if (!options.run.load.robots.empty() && options.run.load.robots.front().find('@') != std::string::npos) {
+    return Fail({{}, "found a place in --robot, expected a file: --pose X,Y,HEADING is where the robot starts"});
+  }
   const TemporaryFolder folder;
   const bool is_own = options.run.load.robots.empty();
   std::string robot = folder.path() + "/robot.urdf";
@@ -82,7 +85,8 @@ int LoopbackCommand(LoopbackOptions options, const std::vector<std::string>& ros
   // A scenario has its robots, objects and people; a map needs one.
   const bool is_map = !options.run.file.ends_with(".json");
   if (is_map) {
-    const std::string scenario = folder.path() + "/" + std::filesystem::path(options.run.file).stem().string() + ".json";
+    const std::string scenario =
+        folder.path() + "/" + std::filesystem::path(options.run.file).stem().string() + ".json";
     const Status failure = WriteWholeFile(scenario, LoopbackScenario(options, parameters, robot, is_own));
     if (!failure.ok()) return Fail(failure.error());
     options.run.file = scenario;

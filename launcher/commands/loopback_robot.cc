@@ -30,9 +30,11 @@ class ParameterReader {
     if (yaml_.failed()) return *diagnostics_.error();
     const LoopbackParameters& p = read.parameters;
     if (!(p.range_min < p.range_max) || !(p.angle_min < p.angle_max)) {
-      yaml_.Fail(YamlReader::Find(root, kNode), "found a scan without ranges or angles, expected a minimum below the maximum");
+      yaml_.Fail(YamlReader::Find(root, kNode),
+                 "found a scan without ranges or angles, expected a minimum below the maximum");
     } else if ((p.angle_max - p.angle_min) / p.angle_increment >= kMostSamples) {
-      yaml_.Fail(YamlReader::Find(root, kNode), "found a scan_angle_increment for more than 100000 rays, expected a larger one");
+      yaml_.Fail(YamlReader::Find(root, kNode),
+                 "found a scan_angle_increment for more than 100000 rays, expected a larger one");
     }
     if (yaml_.failed()) return *diagnostics_.error();
     read.warnings = std::move(diagnostics_.warnings());
@@ -54,7 +56,8 @@ class ParameterReader {
     const auto frame = [&](const char* key, std::string& value) {
       const YamlNode& found = YamlReader::Find(map, key);
       value = yaml_.Text(found, std::string("'") + key + "'", value);
-      if (found && value.empty()) yaml_.Fail(found, std::string("found an empty '") + key + "', expected the name of a frame");
+      if (found && value.empty())
+        yaml_.Fail(found, std::string("found an empty '") + key + "', expected the name of a frame");
     };
     number("update_duration", p.update_duration, 0.001, 10.0);
     frame("base_frame_id", p.base_frame);
@@ -76,7 +79,8 @@ class ParameterReader {
     const auto is_fixed = [&](const char* key, const char* value) {
       const YamlNode& found = YamlReader::Find(map, key);
       if (found && found.text != value) {
-        yaml_.Warn(found, fmt::format("found {} for '{}', expected '{}', which it is here", Quoted(found.text), key, value));
+        yaml_.Warn(found,
+                   fmt::format("found {} for '{}', expected '{}', which it is here", Quoted(found.text), key, value));
       }
     };
     is_fixed("map_frame_id", "map");
@@ -103,12 +107,12 @@ std::string LoopbackRobot(const LoopbackParameters& parameters) {
   const LoopbackParameters& p = parameters;
   const std::string base = XmlText(p.base_frame);
   const std::string scan = XmlText(p.scan_frame);
-  std::string text = fmt::format(
-      "<?xml version=\"1.0\"?>\n<robot name=\"robot\">\n  <link name=\"{}\"/>\n", base);
+  std::string text = fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"robot\">\n  <link name=\"{}\"/>\n", base);
   // Between the base on the floor and the body, as configurations expect it.
   const std::string body = p.base_frame == "base_link" ? "body" : "base_link";
   text += fmt::format(
-      "  <link name=\"{0}\"><collision><origin xyz=\"0 0 0.07\"/><geometry><cylinder radius=\"0.11\" length=\"0.12\"/></geometry>"
+      "  <link name=\"{0}\"><collision><origin xyz=\"0 0 0.07\"/><geometry><cylinder radius=\"0.11\" "
+      "length=\"0.12\"/></geometry>"
       "</collision></link>\n  <joint name=\"base_joint\" type=\"fixed\"><parent link=\"{1}\"/><child link=\"{0}\"/>"
       "<origin xyz=\"0 0 0.01\"/></joint>\n",
       body, base);
@@ -117,14 +121,16 @@ std::string LoopbackRobot(const LoopbackParameters& parameters) {
       "<origin xyz=\"0 0 0.17\"/></joint>\n",
       scan, body);
   text +=
-      "  <gazebo><plugin filename=\"gz-sim-velocity-control-system\" name=\"gz::sim::systems::VelocityControl\"/></gazebo>\n";
+      "  <gazebo><plugin filename=\"gz-sim-velocity-control-system\" "
+      "name=\"gz::sim::systems::VelocityControl\"/></gazebo>\n";
   if (p.publishes_scan) {
     // The last ray is at the maximum or before it, as there.
     const double samples = std::floor((p.angle_max - p.angle_min) / p.angle_increment + 1e-9) + 1.0;
     text += fmt::format(
         "  <gazebo reference=\"{}\"><sensor name=\"scan\" type=\"gpu_lidar\"><topic>scan</topic>"
         "<update_rate>{}</update_rate><lidar><scan><horizontal><samples>{}</samples><min_angle>{}</min_angle>"
-        "<max_angle>{}</max_angle></horizontal></scan><range><min>{}</min><max>{}</max></range></lidar></sensor></gazebo>\n",
+        "<max_angle>{}</max_angle></horizontal></scan><range><min>{}</min><max>{}</max></range></lidar></sensor></"
+        "gazebo>\n",
         scan, 1.0 / p.scan_period, samples, p.angle_min, p.angle_min + (samples - 1.0) * p.angle_increment, p.range_min,
         p.range_max);
   }

@@ -14,9 +14,9 @@ struct LoopbackParameters {
   std::string base_frame = "base_footprint";
   std::string scan_frame = "base_scan";
   bool stamped_commands = true;
-  double scan_period = 0.1;      // s
-  double range_min = 0.05;       // m
-  double range_max = 30.0;       // m
+  double scan_period = 0.1;               // s
+  double range_min = 0.05;                // m
+  double range_max = 30.0;                // m
   double angle_min = -3.141592653589793;  // rad
   double angle_max = 3.141592653589793;   // rad
   double angle_increment = 0.0261;        // rad

@@ -1,3 +1,5 @@
+#include "launcher/commands/run_command.h"
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -19,7 +21,6 @@
 #include "common/spatial/scene_cache.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
-#include "launcher/commands/run_command.h"
 #include "launcher/commands/shown_expectations.h"
 #include "launcher/commands/temporary_folder.h"
 #include "launcher/process/filter.h"

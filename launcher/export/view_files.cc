@@ -21,8 +21,10 @@ constexpr std::size_t kMostPlots = 8;
 std::string Display(const std::string& type, const std::string& name, const std::string& topic, const char* durability,
                     const char* reliability, const std::string& more = "") {
   return fmt::format(
-      "    - Class: rviz_default_plugins/{}\n      Name: {}\n      Enabled: true\n      Value: true\n{}      Topic:\n        Value: {}\n"
-      "        Depth: 5\n        Durability Policy: {}\n        History Policy: Keep Last\n        Reliability Policy: {}\n",
+      "    - Class: rviz_default_plugins/{}\n      Name: {}\n      Enabled: true\n      Value: true\n{}      Topic:\n  "
+      "      Value: {}\n"
+      "        Depth: 5\n        Durability Policy: {}\n        History Policy: Keep Last\n        Reliability Policy: "
+      "{}\n",
       type, name, more, topic, durability, reliability);
 }
 
@@ -36,18 +38,19 @@ std::string RobotDisplays(const RobotDescription& robot, const ros::RobotInRos& 
   std::string text = fmt::format(
       "    - Class: rviz_default_plugins/RobotModel\n      Name: {}\n      Enabled: true\n      Value: true\n"
       "      Description Source: Topic\n      Description Topic:\n        Value: {}\n        Depth: 1\n"
-      "        Durability Policy: Transient Local\n        History Policy: Keep Last\n        Reliability Policy: Reliable\n",
+      "        Durability Policy: Transient Local\n        History Policy: Keep Last\n        Reliability Policy: "
+      "Reliable\n",
       in_ros.name + " model", description);
   text += Display("Odometry", in_ros.name + " odometry", TopicOf(in_ros, "odom"), "Volatile", "Reliable",
                   "      Keep: 1\n      Covariance:\n        Value: false\n");
   const ros::SensorTopics topics = ros::SensorTopicsOf(robot);
   for (const ros::LaserTopic& laser : topics.lasers) {
-    text += Display("LaserScan", in_ros.name + " " + laser.topic, TopicOf(in_ros, laser.topic), "Volatile", "Best Effort",
-                    "      Size (m): 0.03\n      Style: Flat Squares\n");
+    text += Display("LaserScan", in_ros.name + " " + laser.topic, TopicOf(in_ros, laser.topic), "Volatile",
+                    "Best Effort", "      Size (m): 0.03\n      Style: Flat Squares\n");
   }
   for (const ros::CloudTopic& cloud : topics.clouds) {
-    text += Display("PointCloud2", in_ros.name + " " + cloud.topic, TopicOf(in_ros, cloud.topic + "/points"), "Volatile",
-                    "Best Effort", "      Size (m): 0.03\n      Style: Flat Squares\n");
+    text += Display("PointCloud2", in_ros.name + " " + cloud.topic, TopicOf(in_ros, cloud.topic + "/points"),
+                    "Volatile", "Best Effort", "      Size (m): 0.03\n      Style: Flat Squares\n");
   }
   for (const ros::KindTopic& camera : topics.cameras) {
     text += Display("Image", in_ros.name + " " + camera.topic, TopicOf(in_ros, camera.topic + "/image_raw"), "Volatile",
@@ -88,18 +91,20 @@ std::string RvizText(const WorldDescription& world, std::uint32_t domain, const 
   const auto [middle, size] = ViewOf(world);
   std::string text =
       "Panels:\n  - Class: rviz_common/Displays\n    Name: Displays\n  - Class: rviz_common/Views\n    Name: Views\n"
-      "  - Class: rviz_common/Time\n    Name: Time\n    SyncMode: 0\nVisualization Manager:\n  Class: \"\"\n  Displays:\n"
+      "  - Class: rviz_common/Time\n    Name: Time\n    SyncMode: 0\nVisualization Manager:\n  Class: \"\"\n  "
+      "Displays:\n"
       "    - Class: rviz_default_plugins/Grid\n      Name: Grid\n      Enabled: true\n      Value: true\n";
   text += Display("Map", "Map", "/map", "Transient Local", "Reliable", "      Alpha: 0.7\n      Color Scheme: map\n");
   text += "    - Class: rviz_default_plugins/TF\n      Name: TF\n      Enabled: false\n      Value: false\n";
   text += robots;
-  text += "  Enabled: true\n  Global Options:\n    Fixed Frame: map\n    Frame Rate: 30\n  Tools:\n"
-          "    - Class: rviz_default_plugins/MoveCamera\n    - Class: rviz_default_plugins/Select\n";
-  for (const auto& [tool, topic] :
-       {std::pair{"SetInitialPose", "initialpose"}, std::pair{"SetGoal", "goal_pose"}}) {
+  text +=
+      "  Enabled: true\n  Global Options:\n    Fixed Frame: map\n    Frame Rate: 30\n  Tools:\n"
+      "    - Class: rviz_default_plugins/MoveCamera\n    - Class: rviz_default_plugins/Select\n";
+  for (const auto& [tool, topic] : {std::pair{"SetInitialPose", "initialpose"}, std::pair{"SetGoal", "goal_pose"}}) {
     text += fmt::format(
         "    - Class: rviz_default_plugins/{}\n      Topic:\n        Value: {}{}\n        Depth: 5\n"
-        "        Durability Policy: Volatile\n        History Policy: Keep Last\n        Reliability Policy: Reliable\n",
+        "        Durability Policy: Volatile\n        History Policy: Keep Last\n        Reliability Policy: "
+        "Reliable\n",
         tool, first, topic);
   }
   // Pixels for a metre, in a window of usual size.
@@ -148,14 +153,16 @@ std::string FoxgloveLayoutText(const WorldDescription& world) {
             {"near", 0.1},
             {"far", 5000}}}}},
         {"RosOut!events", {{"topicToRender", "/events"}, {"minLogLevel", 1}, {"searchTerms", Json::array()}}},
-        {"Plot!speeds", {{"paths", std::move(paths)}, {"showLegend", true}, {"isSynced", true}, {"xAxisVal", "timestamp"}}}}},
+        {"Plot!speeds",
+         {{"paths", std::move(paths)}, {"showLegend", true}, {"isSynced", true}, {"xAxisVal", "timestamp"}}}}},
       {"globalVariables", Json::object()},
       {"userNodes", Json::object()},
       {"playbackConfig", {{"speed", 1}}},
       {"layout",
        {{"direction", "row"},
         {"first", "3D!scene"},
-        {"second", {{"direction", "column"}, {"first", "Plot!speeds"}, {"second", "RosOut!events"}, {"splitPercentage", 50}}},
+        {"second",
+         {{"direction", "column"}, {"first", "Plot!speeds"}, {"second", "RosOut!events"}, {"splitPercentage", 50}}},
         {"splitPercentage", 65}}},
   };
   return layout.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

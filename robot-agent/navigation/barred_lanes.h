@@ -27,8 +27,8 @@ class BarredLanes {
   std::vector<std::size_t> lanes_;
 };
 
-// m/s, on a way from `point` along a unit vector: the least limit on the next half metre, of the speed zones alone or of
-// a lane, too. Infinity: none.
+// m/s, on a way from `point` along a unit vector: the least limit on the next half metre, of the speed zones alone or
+// of a lane, too. Infinity: none.
 double AllowedSpeed(const Surroundings& around, const Vec2& point, const Vec2& along, double z);
 double AllowedSpeed(const Surroundings& around, std::optional<std::size_t> lane, const LaneGraph& graph,
                     const Vec2& point, const Vec2& along, double z);

@@ -210,8 +210,8 @@ GoalWay::Leg GoalWay::HeedZones(const Observation& now, const Surroundings& arou
   const double speed = Vec2(now.twist.vx, now.twist.vy).norm();
   const double look = kZoneAhead + speed * speed / std::max(-drive_.acceleration.x.min, 1e-3);
   const double radius = RadiiOfWays(around.scene, own_)[1] + kZoneGap;
-  const double room = RoomBeforeRelease(around.world(), around.state, here, points_, next_, X_WR.z, radius,
-                                        0.5 * grid_->cell(), look);
+  const double room =
+      RoomBeforeRelease(around.world(), around.state, here, points_, next_, X_WR.z, radius, 0.5 * grid_->cell(), look);
   if (room >= look) return leg;
   if (room < kStanding) return {here, 0.0, leg.door};
   leg.most = std::min(leg.most, BrakingSpeed(drive_, room));

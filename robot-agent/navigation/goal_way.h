@@ -8,8 +8,8 @@
 // other, the one with the larger id goes to the nearest place with room for both, the other one if that does not help.
 //
 // Doors on the way are asked for, and waited for outside of all that their leaves sweep. The zones that are on count:
-// its way leads around keepout zones and through one_way zones along their heading, it drives no faster than speed zones
-// allow, and stands before release zones. Once a zone is switched it searches again.
+// its way leads around keepout zones and through one_way zones along their heading, it drives no faster than speed
+// zones allow, and stands before release zones. Once a zone is switched it searches again.
 //
 // It gives up for a reason: no way leads to the goal, or a body has been in the way for half a minute.
 //
@@ -93,22 +93,22 @@ class GoalWay {
   std::shared_ptr<const WalkGrid> grid_;
   std::shared_ptr<const ZoneWays> zone_ways_;  // of the grid; null: no zone limits ways
   std::vector<bool> zones_on_;                 // by zone: those that do
-  double grid_z_ = 0.0;                  // m, of the robot when its way was searched
-  double grid_radius_ = 0.0;             // m
-  std::optional<Vec2> last_;             // m, W, of the robot in the tick before
-  std::vector<Vec2> points_;             // m, W; empty: no way around the bodies that stand there
-  std::size_t next_ = 0;                 // in points_
-  bool reaches_ = false;                 // the way does, unless a body stands at the goal
-  bool is_due_ = false;                  // a search
-  double searched_at_ = 0.0;             // s, simulated
-  int searches_ = 0;                     // for this goal
-  int failed_searches_ = 0;              // since the last one that found a way
-  bool is_aside_ = false;                // the points lead to a place beside the way
-  std::optional<double> aside_until_;    // s, simulated: it is there
-  std::vector<ModelId> blockers_;        // that were in the way to this goal, the last one at the end
-  std::optional<double> wait_until_;     // s, simulated: what is in the way may have moved on by then
-  std::optional<double> blocked_since_;  // s, simulated: not moved on since
-  Vec2 blocked_at_{0.0, 0.0};            // m, W
+  double grid_z_ = 0.0;                        // m, of the robot when its way was searched
+  double grid_radius_ = 0.0;                   // m
+  std::optional<Vec2> last_;                   // m, W, of the robot in the tick before
+  std::vector<Vec2> points_;                   // m, W; empty: no way around the bodies that stand there
+  std::size_t next_ = 0;                       // in points_
+  bool reaches_ = false;                       // the way does, unless a body stands at the goal
+  bool is_due_ = false;                        // a search
+  double searched_at_ = 0.0;                   // s, simulated
+  int searches_ = 0;                           // for this goal
+  int failed_searches_ = 0;                    // since the last one that found a way
+  bool is_aside_ = false;                      // the points lead to a place beside the way
+  std::optional<double> aside_until_;          // s, simulated: it is there
+  std::vector<ModelId> blockers_;              // that were in the way to this goal, the last one at the end
+  std::optional<double> wait_until_;           // s, simulated: what is in the way may have moved on by then
+  std::optional<double> blocked_since_;        // s, simulated: not moved on since
+  Vec2 blocked_at_{0.0, 0.0};                  // m, W
 };
 
 }  // namespace troupe

@@ -31,7 +31,7 @@ import worlds
 from rows import THINGS
 
 SECONDS = 60
-WORLD = tuple(thing for thing in THINGS if thing.name in ("robot", "object", "joint", "ranger", "camera", "energy", "lane"))
+WORLD = tuple(thing for thing in THINGS if thing.name in ("robot", "object", "joint", "ranger", "camera", "energy", "lane", "zone"))
 DOMAIN = 101 + os.getpid() % 49  # and the next 50th
 
 VALUES = {
@@ -84,6 +84,7 @@ COMMANDS = {
     "snapshot": Command(("snapshot", "all.json", "-o", "out.png"), left_out=("--output",)),
     "export": Command(("export", "run.mcap", "--format", "csv", "-o", "tables"), left_out=("--output", "--format")),
     "export-map": Command(("export-map", "all.json", "-o", "map_of_all"), left_out=("--output",)),
+    "export-views": Command(("export-views", "all.json", "-o", "views_of_all"), left_out=("--output",)),
     "test": Command(("test", "all.test.json"), left_out=("--processes",)),
     "sweep": Command(("sweep", "-o", "report"), left_out=("--output",)),
     "check": Command(("check", "all.json")),

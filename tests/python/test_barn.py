@@ -16,6 +16,7 @@ MODEL = "<model name='unit_cylinder_{0}'><static>1</static>\\<pose frame=''>{1} 
 
 
 def load():
+    sys.path.insert(0, str(SCRIPT.parent))  # of its planner
     spec = importlib.util.spec_from_file_location("barn", SCRIPT)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -43,7 +44,7 @@ class Barn(unittest.TestCase):
         barn = load()
         found = barn.cylinders(self.checkout / "jackal_helper/worlds/BARN/world_0.world")
         self.assertEqual({(round(x, 3), y) for x, y in found}, {(round(x, 3), y) for x, y in self.places})
-        for planner in ("map", "lidar"):
+        for planner in ("map", "scan", "lidar"):
             rows, hashes, ticks = barn.run(self.checkout, [0], 3, planner, threads=1)
             again = barn.run(self.checkout, [0], 3, planner, threads=2)
             self.assertEqual(rows, again[0])

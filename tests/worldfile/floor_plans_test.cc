@@ -49,13 +49,13 @@ double LengthOf(const PlanLayer& layer) {
 }
 
 TEST(FloorPlans, OfDxfHaveLinesArcsAndPolylinesByLayers) {
-  const FloorPlan plan = DxfPlan(
-      kMetres + Entities("0 LINE\n8 WALL\n10 0\n20 0\n11 4\n21 3\n"
-                         "0 ARC\n8 CURVE\n10 1\n20 1\n40 2\n50 350\n51 80\n"
-                         "0 CIRCLE\n8 CURVE\n10 1\n20 1\n40 0.5\n"
-                         "0 LWPOLYLINE\n8 WALL\n90 2\n70 1\n10 0\n20 0\n42 1\n10 2\n20 0\n42 0\n"
-                         "0 POLYLINE\n8 WALL\n70 0\n0 VERTEX\n10 0\n20 0\n0 VERTEX\n10 0\n20 5\n0 SEQEND\n"
-                         "0 TEXT\n8 NOTES\n10 0\n20 0\n1 hall\n0 SPLINE\n8 CURVE\n"));
+  const FloorPlan plan =
+      DxfPlan(kMetres + Entities("0 LINE\n8 WALL\n10 0\n20 0\n11 4\n21 3\n"
+                                 "0 ARC\n8 CURVE\n10 1\n20 1\n40 2\n50 350\n51 80\n"
+                                 "0 CIRCLE\n8 CURVE\n10 1\n20 1\n40 0.5\n"
+                                 "0 LWPOLYLINE\n8 WALL\n90 2\n70 1\n10 0\n20 0\n42 1\n10 2\n20 0\n42 0\n"
+                                 "0 POLYLINE\n8 WALL\n70 0\n0 VERTEX\n10 0\n20 0\n0 VERTEX\n10 0\n20 5\n0 SEQEND\n"
+                                 "0 TEXT\n8 NOTES\n10 0\n20 0\n1 hall\n0 SPLINE\n8 CURVE\n"));
   ASSERT_EQ(plan.layers.size(), 2u);
   EXPECT_EQ(plan.layers[0].name, "WALL");
   EXPECT_EQ(plan.layers[0].lines[0].end, Vec2(4.0, 3.0));
@@ -77,10 +77,11 @@ TEST(FloorPlans, OfDxfHaveLinesArcsAndPolylinesByLayers) {
 TEST(FloorPlans, OfDxfHaveBlocksWithTheirScalesTurnsAndCopies) {
   const std::string blocks =
       "0 SECTION\n2 BLOCKS\n0 BLOCK\n8 0\n2 DESK\n70 0\n10 1\n20 0\n0 LINE\n8 0\n10 1\n20 0\n11 2\n21 0\n0 ENDBLK\n"
-      "0 BLOCK\n2 PAIR\n10 0\n20 0\n0 INSERT\n8 0\n2 DESK\n10 0\n20 0\n0 INSERT\n8 CHAIR\n2 DESK\n10 0\n20 5\n0 ENDBLK\n0 ENDSEC\n";
-  const FloorPlan plan = DxfPlan(
-      kMetres + blocks + Entities("0 INSERT\n8 FURNITURE\n2 PAIR\n10 10\n20 20\n41 2\n42 1\n50 90\n"
-                                  "0 INSERT\n8 ROW\n2 DESK\n10 0\n20 0\n70 3\n71 2\n44 1.5\n45 4\n"));
+      "0 BLOCK\n2 PAIR\n10 0\n20 0\n0 INSERT\n8 0\n2 DESK\n10 0\n20 0\n0 INSERT\n8 CHAIR\n2 DESK\n10 0\n20 5\n0 "
+      "ENDBLK\n0 ENDSEC\n";
+  const FloorPlan plan = DxfPlan(kMetres + blocks +
+                                 Entities("0 INSERT\n8 FURNITURE\n2 PAIR\n10 10\n20 20\n41 2\n42 1\n50 90\n"
+                                          "0 INSERT\n8 ROW\n2 DESK\n10 0\n20 0\n70 3\n71 2\n44 1.5\n45 4\n"));
   ASSERT_EQ(plan.layers.size(), 3u);
   EXPECT_EQ(plan.layers[0].name, "FURNITURE");
   ASSERT_EQ(plan.layers[0].lines.size(), 1u);
@@ -208,8 +209,9 @@ TEST(FloorPlans, OfSvgWithFaultsAreNamedWithTheirLines) {
 }
 
 TEST(FloorPlans, AreWallsOfTheirThicknessAndHeight) {
-  const FloorPlan plan = DxfPlan(kMetres + Entities("0 LINE\n8 WALL\n10 5\n20 5\n11 9\n21 5\n0 LINE\n8 WALL\n10 9\n20 5\n11 5\n21 5\n"
-                                                    "0 LINE\n8 GLASS\n10 5\n20 5\n11 5\n21 8\n0 LINE\n8 NOTES\n10 0\n20 0\n11 1\n21 0\n"));
+  const FloorPlan plan =
+      DxfPlan(kMetres + Entities("0 LINE\n8 WALL\n10 5\n20 5\n11 9\n21 5\n0 LINE\n8 WALL\n10 9\n20 5\n11 5\n21 5\n"
+                                 "0 LINE\n8 GLASS\n10 5\n20 5\n11 5\n21 8\n0 LINE\n8 NOTES\n10 0\n20 0\n11 1\n21 0\n"));
   PlanWalls walls{0.2, 2.5, {{"WALL", 2.5}, {"GL*", 1.0}}};
   test::TemporaryFolder folder;
   const LoadedWorld loaded = ValueOf(LoadWorld(folder.Write("w.world", ValueOf(PlanWorldText(plan, walls, "p.dxf")))));
@@ -228,7 +230,8 @@ TEST(FloorPlans, AreWallsOfTheirThicknessAndHeight) {
   EXPECT_NEAR(shape.blocks[0].z.max, 2.5, 1e-5);
   EXPECT_NEAR(loaded.world.shape(loaded.world.models[1].shape).blocks[0].z.max, 1.0, 1e-5);
   walls.rules = {{"NONE", 1.0}};
-  EXPECT_THAT(PlanWorldText(plan, walls, "p.dxf").error().ToString(), HasSubstr("expected one of 'WALL', 'GLASS', 'NOTES'"));
+  EXPECT_THAT(PlanWorldText(plan, walls, "p.dxf").error().ToString(),
+              HasSubstr("expected one of 'WALL', 'GLASS', 'NOTES'"));
 }
 
 }  // namespace

@@ -16,8 +16,8 @@ std::string Node(int id, double x, double y, const std::string& more = "") {
 }
 
 std::string RouteEdge(int id, int from, int to, const std::string& more = "") {
-  return R"({"type": "Feature", "properties": {"id": )" + std::to_string(id) + R"(, "startid": )" + std::to_string(from) +
-         R"(, "endid": )" + std::to_string(to) + more +
+  return R"({"type": "Feature", "properties": {"id": )" + std::to_string(id) + R"(, "startid": )" +
+         std::to_string(from) + R"(, "endid": )" + std::to_string(to) + more +
          R"(}, "geometry": {"type": "MultiLineString", "coordinates": [[[0, 0], [1, 1]]]}})";
 }
 
@@ -78,14 +78,16 @@ TEST(RouteGraphs, WithFaultsAreNamedWithTheirPlaces) {
     std::string text;
     const char* error;
   } cases[] = {
-      {Features({Node(0, 0, 0), RouteEdge(1, 0, 7)}), "g.geojson:3:67: error: found 7 as 'features[1].properties.endid'"},
+      {Features({Node(0, 0, 0), RouteEdge(1, 0, 7)}),
+       "g.geojson:3:68: error: found 7 as 'features[1].properties.endid'"},
       {Features({Node(0, 0, 0), Node(0, 1, 1)}), "an id that no other node or edge has"},
       {Features({Node(0, 0, 0), RouteEdge(1, 0, 0)}), "another node than that of 'startid'"},
       {Features({Node(0, 1e9, 0)}), "features[0].geometry.coordinates[0]"},
       {Features({}), "found no node"},
       {"{}", "features"},
       {"[", "g.geojson:1:"},
-      {Features({R"({"type": "Feature", "properties": {}, "geometry": {"type": "Polygon"}})"}), "'Point', 'LineString'"},
+      {Features({R"({"type": "Feature", "properties": {}, "geometry": {"type": "Polygon"}})"}),
+       "'Point', 'LineString'"},
   };
   for (const auto& each : cases) {
     const Result<Site> site = ReadRouteGraphText(each.text, "g.geojson");
@@ -95,10 +97,11 @@ TEST(RouteGraphs, WithFaultsAreNamedWithTheirPlaces) {
 }
 
 TEST(RouteGraphs, NameWhatHasNoEffect) {
-  const Site site = ValueOf(ReadRouteGraphText(
-      Features({Node(0, 0, 0, R"(, "frame2": 1, "operations": {})"), Node(1, 1, 0),
-                RouteEdge(2, 0, 1, R"(, "cost": 3, "metadata": {"speed_limit": 50})"), RouteEdge(3, 1, 0, R"(, "cost": 1)")}),
-      "g.geojson"));
+  const Site site =
+      ValueOf(ReadRouteGraphText(Features({Node(0, 0, 0, R"(, "frame2": 1, "operations": {})"), Node(1, 1, 0),
+                                           RouteEdge(2, 0, 1, R"(, "cost": 3, "metadata": {"speed_limit": 50})"),
+                                           RouteEdge(3, 1, 0, R"(, "cost": 1)")}),
+                                 "g.geojson"));
   std::string warnings;
   for (const Warning& warning : site.warnings) warnings += warning.ToString() + "\n";
   EXPECT_THAT(warnings, HasSubstr("operations of nodes"));

@@ -147,7 +147,8 @@ class MapYamlReader {
       } else if (probability <= free) {
         number = 0;
       } else if (mode == "scale") {
-        number = static_cast<std::uint8_t>(std::clamp(std::round((probability - free) / (occupied - free) * 100.0), 0.0, 100.0));
+        number = static_cast<std::uint8_t>(
+            std::clamp(std::round((probability - free) / (occupied - free) * 100.0), 0.0, 100.0));
       } else {
         number = MapYaml::kUnknownCell;
       }

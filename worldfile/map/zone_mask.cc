@@ -29,7 +29,8 @@ class AreaTracer {
         height_(cells.height()),
         part_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), kNone) {
     for (int y = 0; y < height_; ++y) {
-      for (int x = cells.FirstFrom(0, y, true); x < width_; x = x + 1 < width_ ? cells.FirstFrom(x + 1, y, true) : width_)
+      for (int x = cells.FirstFrom(0, y, true); x < width_;
+           x = x + 1 < width_ ? cells.FirstFrom(x + 1, y, true) : width_)
         part_[Index(x, y)] = kUnseen;
     }
   }

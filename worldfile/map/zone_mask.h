@@ -1,4 +1,5 @@
-// Masks of the costmap filters of Nav2: a map of map_server whose cells are numbers from 0 to 100, as outlines and back.
+// Masks of the costmap filters of Nav2: a map of map_server whose cells are numbers from 0 to 100, as outlines and
+// back.
 //
 // A mask with areas of one number becomes one polygon for each connected area, along the edges of its cells; an area
 // with holes is cut into several. So a mask that is read and written again on the same cells is the same mask: a cell

@@ -75,7 +75,8 @@ class DxfReader {
     }
     if (error_) return *error_;
     if (!unit_) {
-      return Error{{path_, 1, 1}, "found no unit ($INSUNITS), expected one: --unit m, cm, mm, in, ft or metres of a unit"};
+      return Error{{path_, 1, 1},
+                   "found no unit ($INSUNITS), expected one: --unit m, cm, mm, in, ft or metres of a unit"};
     }
     const PlanTransform to_plan = PlanTransform::Scale(*unit_, *unit_);
     for (const DxfEntity& entity : entities_) {
@@ -84,8 +85,9 @@ class DxfReader {
     if (error_) return *error_;
     FloorPlan plan = builder_.Take();
     for (const auto& [type, first] : left_out_) {
-      plan.warnings.push_back({{path_, first.first, 1}, "found " + std::to_string(first.second) + " of the type " +
-                                                            Quoted(type) + ", which are left out"});
+      plan.warnings.push_back(
+          {{path_, first.first, 1},
+           "found " + std::to_string(first.second) + " of the type " + Quoted(type) + ", which are left out"});
     }
     return plan;
   }
@@ -237,7 +239,8 @@ class DxfReader {
 
   bool Check(const DxfEntity& entity, bool has_room) {
     if (has_room) return !error_;
-    if (builder_.has_bad_number()) return Fail(entity.line, "found a point beyond 1000 km, expected one in the drawing");
+    if (builder_.has_bad_number())
+      return Fail(entity.line, "found a point beyond 1000 km, expected one in the drawing");
     return Fail(entity.line, "found more than " + std::to_string(kMaxPlanLines) + " lines, expected a smaller drawing");
   }
 
@@ -296,14 +299,16 @@ class DxfReader {
     }
     const std::size_t count = corners.size() < 2 ? 0 : (flags & 1) != 0 ? corners.size() : corners.size() - 1;
     for (std::size_t i = 0; i < count; ++i) {
-      if (!Check(entity, AddPart(corners[i].place, corners[(i + 1) % corners.size()].place, corners[i].bulge, layer, to_plan))) {
+      if (!Check(entity, AddPart(corners[i].place, corners[(i + 1) % corners.size()].place, corners[i].bulge, layer,
+                                 to_plan))) {
         return false;
       }
     }
     return !error_;
   }
 
-  bool AddPart(const Vec2& start, const Vec2& end, double bulge, const std::string& layer, const PlanTransform& to_plan) {
+  bool AddPart(const Vec2& start, const Vec2& end, double bulge, const std::string& layer,
+               const PlanTransform& to_plan) {
     const Vec2 way = end - start;
     if (std::fabs(bulge) < 1e-9 || way.norm() == 0.0) return builder_.AddLine(layer, to_plan, start, end);
     // The arc turns by 4 atan(bulge), to the left if that is positive; its middle is beside that of the chord.
@@ -329,7 +334,8 @@ class DxfReader {
                               PlanTransform::Shift(-block->second.base.x(), -block->second.base.y());
     const double columns = std::max(1.0, Number(entity, 70, 1.0));
     const double rows = std::max(1.0, Number(entity, 71, 1.0));
-    if (columns * rows > kMaxCopies) return Fail(entity.line, "found more than 10000 copies of a block, expected fewer");
+    if (columns * rows > kMaxCopies)
+      return Fail(entity.line, "found more than 10000 copies of a block, expected fewer");
     drawn_ += static_cast<std::size_t>(columns * rows);
     for (double row = 0.0; row < rows; row += 1.0) {
       for (double column = 0.0; column < columns; column += 1.0) {

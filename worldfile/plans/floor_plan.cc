@@ -19,7 +19,8 @@ namespace {
 std::string NameOfLayer(const std::string& layer) {
   std::string name;
   for (const char c : layer.substr(0, 100)) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    const bool is_plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
     name += is_plain ? c : '_';
   }
   return name.empty() ? "walls" : name;
@@ -95,8 +96,9 @@ Result<std::string> PlanWorldText(const FloorPlan& plan, const PlanWalls& walls,
     }
   }
   if (models.empty()) {
-    return Error{{source}, known.empty() ? "found no lines, expected a drawing with some"
-                                         : "found no layer that a rule names, expected one of " + known};
+    return Error{{source},
+                 known.empty() ? "found no lines, expected a drawing with some"
+                               : "found no layer that a rule names, expected one of " + known};
   }
   const Vec2 origin(box.min_x, box.min_y);
   std::string text = fmt::format("# Walls of {}, {:.2f} m x {:.2f} m.\n", PlainLine(source), box.max_x - box.min_x,
@@ -108,9 +110,9 @@ Result<std::string> PlanWorldText(const FloorPlan& plan, const PlanWalls& walls,
       for (const Vec2& corner : CornersOf(line, walls.thickness)) own.Extend(corner - origin);
     }
     text += fmt::format(
-        "\nmodel\n(\n  name \"{}\"\n  pose [{:.6f} {:.6f} 0 0]\n  size [{:.6f} {:.6f} {:.6f}]\n  color \"gray40\"\n", model.name,
-        0.5 * (own.min_x + own.max_x), 0.5 * (own.min_y + own.max_y), own.max_x - own.min_x, own.max_y - own.min_y,
-        model.height);
+        "\nmodel\n(\n  name \"{}\"\n  pose [{:.6f} {:.6f} 0 0]\n  size [{:.6f} {:.6f} {:.6f}]\n  color \"gray40\"\n",
+        model.name, 0.5 * (own.min_x + own.max_x), 0.5 * (own.min_y + own.max_y), own.max_x - own.min_x,
+        own.max_y - own.min_y, model.height);
     for (const PlanLine& line : model.lines) {
       text += "  block( points 4";
       int number = 0;

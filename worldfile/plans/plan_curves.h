@@ -28,8 +28,8 @@ class PlanBuilder {
   bool AddLine(const std::string& layer, const PlanTransform& to_plan, const Vec2& start, const Vec2& end);
   // An arc of an ellipse whose half axes are along x and y before it is turned by `turn` (rad), from the angle `from`
   // through `sweep` (rad, positive to the left), by its parameter.
-  bool AddArc(const std::string& layer, const PlanTransform& to_plan, const Vec2& center, const Vec2& radii, double turn,
-              double from, double sweep);
+  bool AddArc(const std::string& layer, const PlanTransform& to_plan, const Vec2& center, const Vec2& radii,
+              double turn, double from, double sweep);
   // A cubic of Bezier.
   bool AddCurve(const std::string& layer, const PlanTransform& to_plan, const Vec2& start, const Vec2& first,
                 const Vec2& second, const Vec2& end);

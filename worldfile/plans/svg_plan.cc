@@ -65,9 +65,8 @@ std::optional<double> PaperLength(const std::string& text) {
   const std::optional<double> value = numbers.Number();
   if (!value) return std::nullopt;
   const std::string_view unit = numbers.rest();
-  for (const auto& [name, metres] :
-       {std::pair{"mm", 0.001}, std::pair{"cm", 0.01}, std::pair{"in", 0.0254}, std::pair{"pt", 0.0254 / 72.0},
-        std::pair{"pc", 0.0254 / 6.0}}) {
+  for (const auto& [name, metres] : {std::pair{"mm", 0.001}, std::pair{"cm", 0.01}, std::pair{"in", 0.0254},
+                                     std::pair{"pt", 0.0254 / 72.0}, std::pair{"pc", 0.0254 / 6.0}}) {
     if (unit == name) return *value * metres;
   }
   return std::nullopt;
@@ -144,8 +143,8 @@ class SvgReader {
       numbers.push_back(*number);
     }
     if (count > 0 && numbers.size() != count) {
-      Fail(XmlPlace(*attribute, path_), "found " + std::to_string(numbers.size()) + " numbers in '" + std::string(name) +
-                                            "', expected " + std::to_string(count));
+      Fail(XmlPlace(*attribute, path_), "found " + std::to_string(numbers.size()) + " numbers in '" +
+                                            std::string(name) + "', expected " + std::to_string(count));
     }
     return numbers;
   }
@@ -214,8 +213,8 @@ class SvgReader {
     const std::string* const display = element.FindAttribute("display");
     const std::string* const style = element.FindAttribute("style");
     if (display != nullptr && *display == "none") return true;
-    return style != nullptr && (style->find("display:none") != std::string::npos ||
-                                style->find("display: none") != std::string::npos);
+    return style != nullptr &&
+           (style->find("display:none") != std::string::npos || style->find("display: none") != std::string::npos);
   }
 
   bool Check(const XmlElement& element, bool has_room) {
@@ -224,7 +223,8 @@ class SvgReader {
     if (builder_.has_bad_number()) {
       return Fail(XmlPlace(element, path_), "found a point beyond 1000 km, expected one in the drawing");
     }
-    return Fail(XmlPlace(element, path_), "found more than " + std::to_string(kMaxPlanLines) + " lines, expected a smaller drawing");
+    return Fail(XmlPlace(element, path_),
+                "found more than " + std::to_string(kMaxPlanLines) + " lines, expected a smaller drawing");
   }
 
   // `depth`: 1 for the children of the root. False: an error.
@@ -277,8 +277,8 @@ class SvgReader {
     return !error_;
   }
 
-  bool DrawPoints(const XmlElement& element, const std::vector<Vec2>& points, bool is_closed, const PlanTransform& to_plan,
-                  const std::string& layer) {
+  bool DrawPoints(const XmlElement& element, const std::vector<Vec2>& points, bool is_closed,
+                  const PlanTransform& to_plan, const std::string& layer) {
     const std::size_t count = points.size() < 2 ? 0 : is_closed ? points.size() : points.size() - 1;
     for (std::size_t i = 0; i < count; ++i) {
       const bool has_room = builder_.AddLine(layer, to_plan, points[i], points[(i + 1) % points.size()]);
@@ -421,7 +421,8 @@ class SvgReader {
     const double factor = (is_large == sweeps ? -1.0 : 1.0) * std::sqrt(std::max(0.0, (whole - both) / both));
     const Vec2 c(factor * radii.x() * p.y() / radii.y(), -factor * radii.y() * p.x() / radii.x());
     const Vec2 middle = 0.5 * (from + to);
-    const Vec2 center(axis.cos * c.x() - axis.sin * c.y() + middle.x(), axis.sin * c.x() + axis.cos * c.y() + middle.y());
+    const Vec2 center(axis.cos * c.x() - axis.sin * c.y() + middle.x(),
+                      axis.sin * c.x() + axis.cos * c.y() + middle.y());
     const double begin = Atan2((p.y() - c.y()) / radii.y(), (p.x() - c.x()) / radii.x());
     double sweep = Atan2((-p.y() - c.y()) / radii.y(), (-p.x() - c.x()) / radii.x()) - begin;
     if (sweeps && sweep < 0.0) sweep += 2.0 * kPi;

@@ -383,7 +383,8 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
     built = std::move(reduced);
   }
   PrepareLanes(built.value(), path);
-  if (Status error = AddSiteEntries(file.site, path, overrides.allowed, built.value()); !error.ok()) return error.error();
+  if (Status error = AddSiteEntries(file.site, path, overrides.allowed, built.value()); !error.ok())
+    return error.error();
   if (Status error = CheckControllersInWorld(built.value(), path, overrides); !error.ok()) return error.error();
   return built;
 }

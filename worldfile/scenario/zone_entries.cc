@@ -136,6 +136,32 @@ Lane Turned(const Lane& lane, double length) {
   return turned;
 }
 
+// Removes lanes, and the waiting points on them alone.
+void LeaveOut(const std::vector<bool>& is_left_out, LaneGraph& graph) {
+  std::vector<bool> is_used(graph.vertices.size(), false);
+  std::size_t lanes = 0;
+  for (std::size_t i = 0; i < graph.lanes.size(); ++i) {
+    if (is_left_out[i]) continue;
+    is_used[graph.lanes[i].start] = is_used[graph.lanes[i].end] = true;
+    if (lanes != i) graph.lanes[lanes] = std::move(graph.lanes[i]);
+    ++lanes;
+  }
+  graph.lanes.resize(lanes);
+  std::vector<std::uint32_t> numbers(graph.vertices.size(), 0);
+  std::size_t vertices = 0;
+  for (std::size_t i = 0; i < graph.vertices.size(); ++i) {
+    if (graph.vertices[i].is_between && !is_used[i]) continue;
+    numbers[i] = static_cast<std::uint32_t>(vertices);
+    if (vertices != i) graph.vertices[vertices] = std::move(graph.vertices[i]);
+    ++vertices;
+  }
+  graph.vertices.resize(vertices);
+  for (Lane& lane : graph.lanes) {
+    lane.start = numbers[lane.start];
+    lane.end = numbers[lane.end];
+  }
+}
+
 // A lane of the site is so as a whole, with all its parts.
 void Direct(const WorldDescription& world, const ZoneDescription& zone, LaneGraph& graph) {
   std::vector<bool> is_left_out(graph.lanes.size(), false);
@@ -146,23 +172,17 @@ void Direct(const WorldDescription& world, const ZoneDescription& zone, LaneGrap
       return CrossesZone(world, zone, start.position, graph.vertices[lane.end].position, start.z);
     });
     if (!is_in) continue;
+    const Vec2 way = graph.Way(whole.start, whole.end);
+    const bool may_go = !IsAgainst(zone, way);
     for (const std::uint32_t part : whole.parts) {
       Lane& lane = graph.lanes[part];
-      const Vec2 way = graph.Way(lane.start, lane.end);
-      const bool may_go = !IsAgainst(zone, way);
       const bool may_return = lane.is_bidirectional && !IsAgainst(zone, -way);
       is_left_out[part] = !may_go && !may_return;
-      if (!may_go && may_return) lane = Turned(lane, way.norm());
+      if (!may_go && may_return) lane = Turned(lane, graph.Way(lane.start, lane.end).norm());
       lane.is_bidirectional = may_go && may_return;
     }
   }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < graph.lanes.size(); ++i) {
-    if (is_left_out[i]) continue;
-    if (kept != i) graph.lanes[kept] = std::move(graph.lanes[i]);
-    ++kept;
-  }
-  graph.lanes.resize(kept);
+  LeaveOut(is_left_out, graph);
 }
 
 }  // namespace

@@ -140,11 +140,13 @@ class RouteGraphReader {
       for (const char* key : {"speed_limit", "penalty"}) {
         const std::optional<JsonReader> found = metadata->Find(key);
         if (!found) continue;
-        WarnOnce(key, *found, "found '" + std::string(key) + "' of edges, which has no effect" +
-                                  (key[0] == 's' ? "; 'abs_speed_limit' is one in m/s" : ""));
+        WarnOnce(key, *found,
+                 "found '" + std::string(key) + "' of edges, which has no effect" +
+                     (key[0] == 's' ? "; 'abs_speed_limit' is one in m/s" : ""));
       }
     }
-    if (const std::optional<double> cost = properties->Number("cost", -kMaxMagnitude, kMaxMagnitude); cost && *cost != 0.0) {
+    if (const std::optional<double> cost = properties->Number("cost", -kMaxMagnitude, kMaxMagnitude);
+        cost && *cost != 0.0) {
       WarnOnce("cost", *properties, "found costs of edges, which have no effect: routes are the fastest ones");
     }
     AddEdge(lane);
@@ -167,7 +169,7 @@ class RouteGraphReader {
   Diagnostics warnings_;
   Site site_;
   std::set<std::uint32_t> ids_;
-  std::map<std::uint32_t, std::size_t> nodes_;                           // vertices by id
+  std::map<std::uint32_t, std::size_t> nodes_;                          // vertices by id
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> numbers_;  // of lanes, by their vertices
   std::set<std::string> warned_;
 };
@@ -218,7 +220,8 @@ std::string RouteGraphText(const LaneGraph& graph, double z) {
         {{"type", "Feature"},
          {"properties",
           {{"id", features.size()}, {"startid", *ids[from]}, {"endid", *ids[to]}, {"metadata", std::move(metadata)}}},
-         {"geometry", {{"type", "MultiLineString"}, {"coordinates", Json::array({Json::array({place(from), place(to)})})}}}});
+         {"geometry",
+          {{"type", "MultiLineString"}, {"coordinates", Json::array({Json::array({place(from), place(to)})})}}}});
   };
   for (const WholeLane& whole : WholeLanesOf(graph)) {
     if (!ids[whole.start] || !ids[whole.end]) continue;
