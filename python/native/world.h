@@ -214,6 +214,7 @@ const StateTable& FindTable(const std::string& name);
 void DefineState(py::module_& module);
 void DefineSimulation(py::module_& module);
 void DefineVectorSimulation(py::module_& module);
+void DefineEpisodes(py::module_& module);  // after it
 void DefineMonitors(py::module_& module);
 void DefineRecording(py::module_& module);
 void DefinePixels(py::module_& module);

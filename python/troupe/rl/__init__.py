@@ -9,9 +9,10 @@ A task is a small class of functions on arrays over all worlds and robots: `Task
 """
 
 from .envs import DISCRETE, Episodes, ParallelEnv, RobotEnv, VectorEnv, evaluate
+from .formulas import Formulas
 from .grippers import Carrying, Manipulation, Stacking
 from .spaces import Box, Discrete
 from .tasks import Coverage, Flocking, Foraging, Navigation, Situation, Task
 
-__all__ = ["Box", "Carrying", "Coverage", "DISCRETE", "Discrete", "Episodes", "Flocking", "Foraging", "Manipulation", "Navigation",
+__all__ = ["Box", "Carrying", "Coverage", "DISCRETE", "Discrete", "Episodes", "Flocking", "Foraging", "Formulas", "Manipulation", "Navigation",
            "ParallelEnv", "RobotEnv", "Situation", "Stacking", "Task", "VectorEnv", "evaluate"]
