@@ -258,6 +258,7 @@ class Episodes {
     worlds_->ForEachWorldByThread([&, chosen = which.data()](std::size_t i, std::size_t thread, Interrupt&) {
       if (chosen[i]) work(i, threads_[thread]);
     });
+    for (const std::shared_ptr<World>& world : worlds_->worlds()) world->RaiseIfNotRecorded();
   }
 
   // A snapshot of another world may have been restored into this one.

@@ -147,6 +147,14 @@ void DefineArrays(py::class_<Worlds, WorldsPointer>& simulation) {
            "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
       .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
            "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
+      .def("points", Held(&Worlds::Points), "sensor"_a = "ranger", "out"_a = py::none(),
+           "(worlds, robots, rays, 3): where the rays have hit, m in R; nan without a hit.")
+      .def("receptions", Held(&Worlds::Receptions), "sensor"_a = "radio",
+           R"(The radio messages that arrive at this tick, of the radio of each robot: a dict of columns.
+
+"rows", int64 (worlds,), says how many each world has; the others are arrays (worlds, rows), with -1, False or nan where a
+world has fewer: the numbers "receiver" and "sender" of the robots, the "tick" of sending, "to_all", "rssi" (dBm), and
+"range" (m), "bearing" and "elevation" (rad) of the sender. "data" is a tuple of bytes for each world.)")
       .def(
           "images",
           [](const WorldsPointer& worlds, const py::object& sensor, const py::object& out) {

@@ -64,6 +64,7 @@ class Worlds {
     ForEachWorld([ticks](World& world, Interrupt& interrupt) {
       for (Tick i = 0; i < ticks && !interrupt.IsDue(); ++i) world.StepOnce();
     });
+    for (const std::shared_ptr<World>& world : worlds_) world->RaiseIfNotRecorded();
   }
 
   // (worlds, robots, 2 or 3), and of grippers (worlds, grippers, 2). All are checked before any is commanded: an error
@@ -159,16 +160,26 @@ class Worlds {
   }
 
   py::array Ranges(const py::object& sensor, const py::object& out) {
-    std::vector<std::size_t> sensors;
-    std::size_t rays = 0;
-    {
-      const Uses uses(worlds_);
-      sensors = worlds_[0]->FindSensors(sensor);
-      rays = worlds_[0]->CountRays(sensors);
-    }
-    if (rays == 0) throw py::value_error("the worlds have no robots with rays");
-    return FillRows(out, rays, "out", [&](World& world, auto* row) { world.CopyRanges(sensors, rays, row); });
+    const auto [sensors, rays] = FindRays(sensor);
+    return FillRows(out, rays, "out",
+                    [&, found = sensors, count = rays](World& world, auto* row) { world.CopyRanges(found, count, row); });
   }
+
+  // (worlds, robots, rays, 3)
+  py::array Points(const py::object& sensor, const py::object& out) {
+    const auto [sensors, rays] = FindRays(sensor);
+    const std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(robots()),
+                                            static_cast<py::ssize_t>(rays), 3};
+    const std::vector<py::ssize_t> flat = {shape[0], shape[1], shape[2] * 3};
+    const py::array array = out.is_none() ? py::array(py::array_t<double>(shape)) : OutputArray(out, shape, "out");
+    // The same memory, with points one after another.
+    FillRows(array.attr("reshape")(flat), rays * 3, "out",
+             [&, found = sensors, count = rays](World& world, auto* row) { world.CopyPoints(found, count, row); });
+    return array;
+  }
+
+  // What the radios of all robots receive.
+  py::dict Receptions(const py::object& sensor);
 
   // Of the cameras of all robots: (worlds, robots, height, width, channels ...).
   template <auto part, typename Value>
@@ -248,6 +259,15 @@ class Worlds {
   }
 
  private:
+  // The sensor of each robot of a world, and its number of rays.
+  std::pair<std::vector<std::size_t>, std::size_t> FindRays(const py::object& sensor) {
+    const Uses uses(worlds_);
+    std::vector<std::size_t> sensors = worlds_[0]->FindSensors(sensor);
+    const std::size_t rays = worlds_[0]->CountRays(sensors);
+    if (rays == 0) throw py::value_error("the worlds have no robots with rays");
+    return {std::move(sensors), rays};
+  }
+
   // A tuple of texts for each world: text(world, row).
   template <typename Text>
   static py::tuple TextsOf(const py::array_t<std::int64_t>& rows, const Text& text) {

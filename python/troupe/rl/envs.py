@@ -11,9 +11,7 @@ from __future__ import annotations
 
 import copy
 import importlib
-import json
 import operator
-import tempfile
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy
@@ -35,6 +33,10 @@ def _base(module: str, name: str) -> type:
 
 # The motions (forward, turn) of discrete actions, by their numbers: stand, ahead, in a curve, on the spot, back.
 DISCRETE = numpy.array([(0.0, 0.0), (1.0, 0.0), (0.7, 0.6), (0.7, -0.6), (0.0, 1.0), (0.0, -1.0), (-0.5, 0.0)])
+
+
+# The seeds of the starts for tests begin here, far from those of trainings.
+HELD_OUT = 1_000_001
 
 
 def _whole(seed: Any) -> int:
@@ -63,23 +65,22 @@ def _travel(sim: Simulation, part: str) -> List[Tuple[int, float, float, float]]
 class Episodes:
     """Copies of a task's world, and the episodes in them. All environments are made of it.
 
-    A world begins each episode at one of `starts` places of its robots, which the seeds 1, 2, ... of the scenario give, by
-    the generator of its own: the same seed and actions give the same episodes and state hashes. `task` is copied: a task keeps
-    what its episodes need, so that each environment has one of its own.
+    A world begins each episode at one of `starts` starts, which `Task.world` makes of the seeds 1, 2, ..., by the generator
+    of its own: the same seed and actions give the same episodes and state hashes. held_out: the seeds are HELD_OUT and those
+    after it, for scores at starts that no training has. `task` is copied: a task keeps what its episodes need, so that each
+    environment has one of its own.
     """
 
-    def __init__(self, task: Task, count: int, *, threads: int = 0, starts: int = 16) -> None:
+    def __init__(self, task: Task, count: int, *, threads: int = 0, starts: int = 16, held_out: bool = False) -> None:
         self.task = copy.deepcopy(task)
-        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-            json.dump(self.task.scenario(), file)
-            file.flush()
-            self._starts = []
-            self._start_poses: List[Array] = []
-            for seed in range(1, starts + 1):
-                sim = Simulation(file.name, seed=seed)
-                self._starts.append(sim.save())
-                self._start_poses.append(sim.poses)
-            self.worlds = VectorSimulation(file.name, count, seeds=[1] * count, threads=threads)
+        seeds = range(HELD_OUT if held_out else 1, (HELD_OUT if held_out else 1) + starts)
+        self._starts = []
+        self._start_poses: List[Array] = []
+        for seed in seeds:
+            sim = Simulation(self.task.world(seed), seed=seed)
+            self._starts.append(sim.save())
+            self._start_poses.append(sim.poses)
+        self.worlds = VectorSimulation(self.task.world(seeds[0]), count, seeds=[seeds[0]] * count, threads=threads)
         self.robots = sim.robots
         formulas = self.task.formulas()
         interval = sim.interval * self.task.ticks_per_step
@@ -168,15 +169,25 @@ class _OneWorld:
         return picture.array()[..., :3].copy() if self.render_mode == "rgb_array" else picture
 
 
+def _action_space(episodes: Episodes, discrete: bool) -> Any:
+    """Of a robot."""
+    if discrete and episodes.task.gripper:
+        raise ValueError("discrete: found a task with grippers, expected one of motion alone")
+    return Discrete(len(DISCRETE)) if discrete else Box(-1.0, 1.0, (episodes.action_size,))
+
+
 def _remade(kind: Any, arguments: Tuple[Any, ...], options: Dict[str, Any]) -> Any:
     """What pickle calls: an environment of the same kind, which begins anew."""
     return kind(*arguments, **options)
 
 
 class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
-    """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`."""
+    """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`.
 
-    def __init__(self, task: Task, *, render_mode: Optional[str] = None) -> None:
+    discrete: as of RobotEnv.
+    """
+
+    def __init__(self, task: Task, *, discrete: bool = False, render_mode: Optional[str] = None) -> None:
         self.metadata = {"name": f"troupe_{task.name}_v0", "render_modes": ["rgb_array", "png"], "is_parallelizable": True}
         self.render_mode = render_mode
         self._episodes = Episodes(task, 1, threads=1)
@@ -185,9 +196,8 @@ class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignor
         self.agents: List[str] = []
         size = self._episodes.observation_size
         self.observation_spaces = {name: Box(-numpy.inf, numpy.inf, (size,)) for name in self.possible_agents}
-        actions = self._episodes.action_size
-        self.action_spaces = {name: Box(-1.0, 1.0, (actions,)) for name in self.possible_agents}
-        self._seeded = False
+        self.discrete = discrete
+        self.action_spaces = {name: _action_space(self._episodes, discrete) for name in self.possible_agents}
 
     @property
     def unwrapped(self) -> "ParallelEnv":
@@ -220,7 +230,7 @@ class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignor
         motion = numpy.zeros((1, len(self.possible_agents), self._episodes.action_size))
         for i, name in enumerate(self.possible_agents):
             if name in self.agents and name in actions:
-                motion[0, i] = actions[name]
+                motion[0, i] = DISCRETE[int(actions[name])] if self.discrete else actions[name]
         rewards, ended, truncated = self._episodes.step(motion)
         observations = self._by_name(self._episodes.observe()[0])
         result = (observations, self._by_name(rewards[0], float), self._by_name(ended[0], bool),
@@ -241,7 +251,7 @@ class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignor
 
     def __reduce__(self) -> Any:
         # Of a process that a learner starts: there it begins its own episodes.
-        return _remade, (type(self), (self.task,), {"render_mode": self.render_mode})
+        return _remade, (type(self), (self.task,), {"discrete": self.discrete, "render_mode": self.render_mode})
 
     def close(self) -> None:
         self.agents = []
@@ -261,11 +271,9 @@ class RobotEnv(_OneWorld, _base("gymnasium", "Env")):  # type: ignore[misc]
         self.task = self._episodes.task
         if len(self._episodes.robots) != 1:
             raise ValueError(f"task: found {len(self._episodes.robots)} robots, expected 1; ParallelEnv and VectorEnv have more")
-        if discrete and self.task.gripper:
-            raise ValueError("discrete: found a task with grippers, expected one of motion alone")
         self.discrete = discrete
         self.observation_space = Box(-numpy.inf, numpy.inf, (self._episodes.observation_size,))
-        self.action_space = Discrete(len(DISCRETE)) if discrete else Box(-1.0, 1.0, (self._episodes.action_size,))
+        self.action_space = _action_space(self._episodes, discrete)
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
               ) -> Tuple[Array, Dict[str, Any]]:
@@ -305,10 +313,11 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
     The reward of a world is the mean of its robots' rewards, which infos["robot_rewards"] has, (worlds, robots); it has
     terminated when the tasks of all robots are done (infos["robot_ended"]).
     autoreset: "next_step", "same_step" or "disabled", as Gymnasium defines them; then `reset` with
-    options={"reset_mask": mask} begins single worlds.
+    options={"reset_mask": mask} begins single worlds. held_out: at starts that no training has.
     """
 
-    def __init__(self, task: Task, num_envs: int, *, autoreset: str = "next_step", threads: int = 0) -> None:
+    def __init__(self, task: Task, num_envs: int, *, autoreset: str = "next_step", threads: int = 0,
+                 held_out: bool = False) -> None:
         if autoreset not in AUTORESET:
             raise ValueError(f"autoreset: found {autoreset!r}, expected one of {', '.join(AUTORESET)}")
         self.num_envs = num_envs
@@ -317,7 +326,8 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self.closed = False
         self.autoreset = autoreset
         self.metadata = {"autoreset_mode": _autoreset_value(autoreset), "render_modes": []}
-        self._episodes = Episodes(task, num_envs, threads=threads)
+        self.held_out = held_out
+        self._episodes = Episodes(task, num_envs, threads=threads, held_out=held_out)
         self.task = self._episodes.task
         robots, size = len(self._episodes.robots), self._episodes.observation_size
         actions = self._episodes.action_size
@@ -379,7 +389,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         return observations, totals, terminations, truncations, infos
 
     def __reduce__(self) -> Any:
-        return _remade, (type(self), (self.task, self.num_envs), {"autoreset": self.autoreset})
+        return _remade, (type(self), (self.task, self.num_envs), {"autoreset": self.autoreset, "held_out": self.held_out})
 
     @property
     def state_hashes(self) -> Array:
@@ -394,13 +404,14 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self.closed = True
 
 
-def evaluate(task: Task, policy: Callable[[Array], Array], *, episodes: int = 16, seed: int = 0
+def evaluate(task: Task, policy: Callable[[Array], Array], *, episodes: int = 16, seed: int = 0, held_out: bool = False
              ) -> Array:
     """The score of a policy, the sum of each episode's rewards, mean over the robots: (episodes,).
 
     policy: from observations (worlds, robots, numbers) to actions (worlds, robots, 2 or 4); `task.scripted` is the reference.
+    held_out: at starts that no training has.
     """
-    env = VectorEnv(task, episodes, autoreset="disabled")
+    env = VectorEnv(task, episodes, autoreset="disabled", held_out=held_out)
     observations, _ = env.reset(seed=seed)
     scores = numpy.zeros(episodes)
     running = numpy.ones(episodes, bool)

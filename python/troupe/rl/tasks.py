@@ -75,6 +75,13 @@ class Task:
                 "spawn": [{"model": "scout", "count": self.robots, "region": [-11, -7, 11, 7], "spacing": 0.8,
                            "heading": "random", "name_prefix": "robot"}]}
 
+    def world(self, seed: int) -> Any:
+        """The world of a start: a scenario as JSON or a troupe.World, in which the seed places what is placed by chance.
+
+        Starts may have different maps, but the same robots, joints, objects and stores.
+        """
+        return self.scenario()
+
     def formulas(self) -> Formulas:
         """What robots remember, observe and are rewarded for, by expressions."""
         return Formulas()
