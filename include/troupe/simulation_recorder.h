@@ -1,8 +1,8 @@
-// SimulationRecorder: records the steps of a Simulation into a file as `troupe run --record` makes it (docs/recording.md),
-// which `troupe replay`, `troupe view`, `troupe export` and RecordedSimulation read.
+// SimulationRecorder: records the steps of a Simulation into a file as `troupe run --record` makes it
+// (docs/recording.md), which `troupe replay`, `troupe view`, `troupe export` and RecordedSimulation read.
 //
-// What came about in another way than by a step (an edit, a restored snapshot) is recorded as a whole state, so that the
-// recording is one sequence of states that proves itself in a replay.
+// What came about in another way than by a step (an edit, a restored snapshot) is recorded as a whole state, so that
+// the recording is one sequence of states that proves itself in a replay.
 //
 // Threads: as the simulation.
 #pragma once

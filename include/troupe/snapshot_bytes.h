@@ -1,7 +1,7 @@
 // SnapshotBytes: a snapshot as bytes, for another process of the same version of Troupe, or for a file.
 //
-// They have the world, the state and the motions that robots are driven by. The memory of a controller is its own matter,
-// so that only robots without one can be written, and none with joints, whose motors know the last commands.
+// They have the world, the state and the motions that robots are driven by. The memory of a controller is its own
+// matter, so that only robots without one can be written, and none with joints, whose motors know the last commands.
 #pragma once
 
 #include <cstddef>

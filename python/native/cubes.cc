@@ -9,10 +9,10 @@
 namespace troupe::python {
 namespace {
 
-constexpr double kCubeSide = 0.2;           // m
-constexpr double kPlaceTolerance = 0.15;    // m
-constexpr double kHeightTolerance = 0.05;   // m
-constexpr double kFar = 1000.0;             // m: of a cube or robot that does not exist
+constexpr double kCubeSide = 0.2;          // m
+constexpr double kPlaceTolerance = 0.15;   // m
+constexpr double kHeightTolerance = 0.05;  // m
+constexpr double kFar = 1000.0;            // m: of a cube or robot that does not exist
 
 double LengthOf(const Vec2& vector) {
   return std::sqrt(vector.x() * vector.x() + vector.y() * vector.y());
@@ -97,7 +97,8 @@ void CubeJobs::Guide(const WorldState& state, const std::vector<CubePlace>& plac
   std::vector<bool> is_left(cubes);
   std::size_t left = 0;
   for (std::size_t cube = 0; cube < cubes; ++cube) {
-    is_left[cube] = !place_of_[cube] && std::find(carried_.begin(), carried_.end(), std::optional(cube)) == carried_.end();
+    is_left[cube] =
+        !place_of_[cube] && std::find(carried_.begin(), carried_.end(), std::optional(cube)) == carried_.end();
     left += is_left[cube];
   }
   const bool none_is_left = left == 0;

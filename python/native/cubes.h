@@ -16,7 +16,7 @@
 namespace troupe::python {
 
 struct CubePlace {
-  Vec2 at{0.0, 0.0};  // m, in W
+  Vec2 at{0.0, 0.0};   // m, in W
   double level = 0.0;  // 0 on the ground, 1 on another cube, and so on
 };
 
@@ -24,9 +24,9 @@ struct CubePlace {
 struct CubeJob {
   Vec2 goal{0.0, 0.0};
   double goal_level = 0.0;
-  double way = 0.0;  // rad, in W: the direction in which to arrive
-  Vec2 cube{0.0, 0.0};  // the nearest other cube
-  Vec2 peer{0.0, 0.0};  // the nearest other robot
+  double way = 0.0;      // rad, in W: the direction in which to arrive
+  Vec2 cube{0.0, 0.0};   // the nearest other cube
+  Vec2 peer{0.0, 0.0};   // the nearest other robot
   bool gripped = false;  // a cube, the first time, at this step
   bool placed = false;   // a cube, at this step
   bool idle = false;     // no cube is left for it

@@ -31,10 +31,10 @@ namespace {
 using namespace py::literals;
 
 // The numbers of a robot that formulas know, beside its signals: the first inputs of a program.
-constexpr std::array kFormulaInputs = {"x",        "y",         "z",         "heading",   "vx",      "vy",      "wz",
-                                       "stalled",  "contact",   "held",      "opening",   "lift",    "to_goal_x",
-                                       "to_goal_y", "goal_level", "way",     "to_cube_x", "to_cube_y", "to_peer_x",
-                                       "to_peer_y", "gripped",  "placed",    "idle"};
+constexpr std::array kFormulaInputs = {"x",         "y",         "z",          "heading", "vx",        "vy",
+                                       "wz",        "stalled",   "contact",    "held",    "opening",   "lift",
+                                       "to_goal_x", "to_goal_y", "goal_level", "way",     "to_cube_x", "to_cube_y",
+                                       "to_peer_x", "to_peer_y", "gripped",    "placed",  "idle"};
 constexpr std::size_t kFirstOfGripper = 9;
 constexpr std::size_t kFirstOfCubes = 12;
 constexpr std::size_t kMotion = 3;         // numbers of an observation: vx, wz, contact
@@ -119,7 +119,8 @@ class Episodes {
   }
 
   // New episodes have begun in these worlds: reads them, and forgets the last ones.
-  void Look(const Array<bool>& which) { ForEach(which, [this](std::size_t i, Thread& thread) {
+  void Look(const Array<bool>& which) {
+    ForEach(which, [this](std::size_t i, Thread& thread) {
       std::fill_n(contacts_.mutable_data(i), robots_, 0.0);
       *steps_.mutable_data(i) = 0;
       std::fill(GridOf(i).begin(), GridOf(i).end(), std::uint8_t{0});
@@ -138,15 +139,14 @@ class Episodes {
     });
   }
 
-  // actions: (worlds, robots, 2 or 4). frozen: (worlds, robots), robots that stand; idle: (worlds,), worlds that are not
-  // stepped.
+  // actions: (worlds, robots, 2 or 4). frozen: (worlds, robots), robots that stand; idle: (worlds,), worlds that are
+  // not stepped.
   void Step(const py::object& actions, const Array<bool>& frozen, const Array<bool>& idle) {
     const std::size_t columns = task_.lift ? 4 : 2;
     const auto rows = Array<double>::ensure(actions);
     if (!rows) PyErr_Clear();
     if (!rows || rows.ndim() != 3 || !Has(rows, {size(), robots_, columns})) {
-      throw py::value_error(
-          fmt::format("actions: expected an array ({}, {}, {})", size(), robots_, columns));
+      throw py::value_error(fmt::format("actions: expected an array ({}, {}, {})", size(), robots_, columns));
     }
     if (!Has(frozen, {size(), robots_})) throw py::value_error("frozen: expected a mask (worlds, robots)");
     Array<bool> runs(static_cast<py::ssize_t>(size()));
@@ -214,8 +214,8 @@ class Episodes {
     program.observe = SectionOf(task["observe"]);
     std::tie(program.width, program.height) = task["grid"].cast<std::pair<std::size_t, std::size_t>>();
     if (program.width > kMaxGrid || program.height > kMaxGrid || program.width * program.height > kMaxGrid) {
-      throw py::value_error(fmt::format("grid: found {} x {} cells, expected at most {}", program.width,
-                                        program.height, kMaxGrid));
+      throw py::value_error(
+          fmt::format("grid: found {} x {} cells, expected at most {}", program.width, program.height, kMaxGrid));
     }
     if (!program.IsValid()) throw py::value_error("found formulas that were not compiled by troupe.rl");
   }
@@ -371,8 +371,15 @@ class Episodes {
     for (std::size_t robot = 0; robot < robots_; ++robot) {
       const double* const pose = poses_.data(i, robot);
       const double* const twist = twists_.data(i, robot);
-      const std::array numbers{pose[0],  pose[1],  pose[2], pose[3], twist[0],
-                               twist[1], twist[2], *stalls_.data(i, robot), *contacts_.data(i, robot)};
+      const std::array numbers{pose[0],
+                               pose[1],
+                               pose[2],
+                               pose[3],
+                               twist[0],
+                               twist[1],
+                               twist[2],
+                               *stalls_.data(i, robot),
+                               *contacts_.data(i, robot)};
       static_assert(numbers.size() == kFirstOfGripper);
       for (std::size_t k = 0; k < numbers.size(); ++k) thread.registers.of(k)[robot] = numbers[k];
     }
@@ -401,10 +408,17 @@ class Episodes {
     const std::vector<CubeJob>& jobs = jobs_[i].Update(state, thread.held, task_.places);
     for (std::size_t robot = 0; robot < robots_; ++robot) {
       const CubeJob& job = jobs[robot];
-      const std::array numbers{job.goal.x(), job.goal.y(), job.goal_level,
-                               job.way,      job.cube.x(), job.cube.y(),
-                               job.peer.x(), job.peer.y(), job.gripped ? 1.0 : 0.0,
-                               job.placed ? 1.0 : 0.0, job.idle ? 1.0 : 0.0};
+      const std::array numbers{job.goal.x(),
+                               job.goal.y(),
+                               job.goal_level,
+                               job.way,
+                               job.cube.x(),
+                               job.cube.y(),
+                               job.peer.x(),
+                               job.peer.y(),
+                               job.gripped ? 1.0 : 0.0,
+                               job.placed ? 1.0 : 0.0,
+                               job.idle ? 1.0 : 0.0};
       static_assert(kFirstOfCubes + numbers.size() == kFormulaInputs.size());
       for (std::size_t k = 0; k < numbers.size(); ++k) thread.registers.of(kFirstOfCubes + k)[robot] = numbers[k];
     }

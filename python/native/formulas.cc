@@ -10,10 +10,10 @@
 namespace troupe::python {
 namespace {
 
-constexpr std::array kFormulaOps = {"add",   "subtract", "multiply", "divide", "negate", "abs",     "sqrt",  "sin",
-                                    "cos",   "atan2",    "hypot",    "floor",  "wrap",   "min",     "max",   "less",
-                                    "at_most", "equal",  "not",      "and",    "or",     "where",   "own",   "other",
-                                    "sum",   "least",    "greatest", "visited", "visit"};
+constexpr std::array kFormulaOps = {"add",     "subtract", "multiply", "divide",  "negate", "abs",   "sqrt", "sin",
+                                    "cos",     "atan2",    "hypot",    "floor",   "wrap",   "min",   "max",  "less",
+                                    "at_most", "equal",    "not",      "and",     "or",     "where", "own",  "other",
+                                    "sum",     "least",    "greatest", "visited", "visit"};
 static_assert(kFormulaOps.size() == static_cast<std::size_t>(FormulaOp::kVisit) + 1);
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -106,7 +106,8 @@ bool FormulaProgram::IsValid() const {
       if (std::max({each.out, each.a, each.b, each.c}) >= count || each.out < inputs + memory) return false;
       const bool wide = pairs[each.out];
       const auto have = [&](bool is_wide) { return pairs[each.a] == is_wide && pairs[each.b] == is_wide; };
-      if (IsReduction(each.op) ? wide || !have(true) : IsSpread(each.op) ? !wide || pairs[each.a]
+      if (IsReduction(each.op) ? wide || !have(true)
+          : IsSpread(each.op)  ? !wide || pairs[each.a]
           : IsOfGrid(each.op)  ? wide || !have(false) || width == 0 || height == 0
                                : !have(wide) || pairs[each.c] != wide) {
         return false;

@@ -71,12 +71,12 @@ struct FormulaSection {
 struct FormulaProgram {
   std::size_t inputs = 0;
   std::size_t memory = 0;
-  std::vector<bool> pairs;                                 // by register
+  std::vector<bool> pairs;                                  // by register
   std::vector<std::pair<std::uint16_t, double>> constants;  // register, number
-  FormulaSection start;    // the memory at the begin of an episode; the register itself: as it is
-  FormulaSection step;     // reward, whether the robot's task has ended, then the memory
+  FormulaSection start;  // the memory at the begin of an episode; the register itself: as it is
+  FormulaSection step;   // reward, whether the robot's task has ended, then the memory
   FormulaSection observe;
-  std::size_t width = 0;   // cells of the grid
+  std::size_t width = 0;  // cells of the grid
   std::size_t height = 0;
 
   // Whether all registers exist and have the lanes that their instructions need, so that nothing can be written

@@ -66,7 +66,8 @@ py::dict Worlds::Receptions(const py::object& sensor) {
       column(std::int64_t{-1}, [](const Row& row) { return static_cast<std::int64_t>(row.receiver); });
   columns["sender"] =
       column(std::int64_t{-1}, [](const Row& row) { return static_cast<std::int64_t>(row.reception.from.index()); });
-  columns["tick"] = column(std::int64_t{-1}, [](const Row& row) { return static_cast<std::int64_t>(row.reception.tick); });
+  columns["tick"] =
+      column(std::int64_t{-1}, [](const Row& row) { return static_cast<std::int64_t>(row.reception.tick); });
   columns["to_all"] = column(false, [](const Row& row) { return row.reception.to_all; });
   columns["rssi"] = column(kNone, [](const Row& row) { return row.reception.rssi; });
   const auto place = [&](auto part) {

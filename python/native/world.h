@@ -169,7 +169,8 @@ class World {
       for (const double range : Ranges(RobotId(i), sensors[i], rays)) *out++ = static_cast<Number>(range);
     }
   }
-  // Writes where the rays of the sensor of each robot have hit, x, y, z in R; not a number without a hit. As CopyRanges.
+  // Writes where the rays of the sensor of each robot have hit, x, y, z in R; not a number without a hit. As
+  // CopyRanges.
   template <typename Number>
   void CopyPoints(const std::vector<std::size_t>& sensors, std::size_t rays, Number* out) const {
     CheckRobots(sensors.size());

@@ -161,8 +161,9 @@ class Worlds {
 
   py::array Ranges(const py::object& sensor, const py::object& out) {
     const auto [sensors, rays] = FindRays(sensor);
-    return FillRows(out, rays, "out",
-                    [&, found = sensors, count = rays](World& world, auto* row) { world.CopyRanges(found, count, row); });
+    return FillRows(out, rays, "out", [&, found = sensors, count = rays](World& world, auto* row) {
+      world.CopyRanges(found, count, row);
+    });
   }
 
   // (worlds, robots, rays, 3)

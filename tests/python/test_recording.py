@@ -308,15 +308,9 @@ class FromPython(unittest.TestCase):
         for interval in (0, -1):
             with self.assertRaises(ValueError):
                 sim.record(self.file, keyframe_interval=interval)
-        if os.path.exists("/dev/full"):
+        with self.assertRaisesRegex(troupe.Error, "No space left"):
             sim.record("/dev/full")
-            with self.assertRaises(troupe.Error):
-                for _ in range(100_000):
-                    sim.step(10)
-                    if sim.tick > 20_000:
-                        sim.stop_recording()
-                        break
-            sim.step()  # goes on without a recording
+        sim.step()  # goes on without a recording
         del sim
         sim = troupe.Simulation(LAB)
         sim.record(self.file)
