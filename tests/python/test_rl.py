@@ -187,6 +187,8 @@ class Single(unittest.TestCase):
     def test_stable_baselines(self):
         from stable_baselines3 import PPO
         from stable_baselines3.common.env_checker import check_env
+        for kind in TASKS:
+            check_env(rl.RobotEnv(kind(robots=1) if kind is not rl.Stacking else kind(), render_mode="rgb_array"))
         for discrete in (False, True):
             env = rl.RobotEnv(rl.Navigation(robots=1), discrete=discrete)
             check_env(env)
