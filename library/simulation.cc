@@ -189,8 +189,8 @@ void Simulation::StepOnce() {
     if (!robot.report().empty()) report(robot.report());
   }
   // All robots have decided by the state before the step: none sees another's new pose.
-  const std::vector<Input> inputs = ByKind(std::exchange(now.inputs, {}));
-  StepResult next = troupe::Step(*now.scene, state, impl_->proposals, impl_->bodies, nullptr, inputs);
+  impl_->inputs = ByKind(std::exchange(now.inputs, {}));
+  StepResult next = troupe::Step(*now.scene, state, impl_->proposals, impl_->bodies, nullptr, impl_->inputs);
   // A new object for each tick: arrays of Python and snapshots keep the states that they show.
   now.state = std::make_shared<const WorldState>(std::move(next.state));
   now.events = std::move(events);

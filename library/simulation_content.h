@@ -52,7 +52,8 @@ struct Simulation::Impl {
   Snapshot::Content now;
   BodyIndex bodies;  // at now.state between calls
   std::vector<Warning> warnings;
-  std::vector<Proposal> proposals;         // of one step
+  std::vector<Proposal> proposals;         // that entered the last step
+  std::vector<Input> inputs;               // likewise
   std::vector<std::string> reports;        // since the last call of Step began
   std::vector<FleetOutput> fleet_outputs;  // likewise
 };

@@ -168,13 +168,17 @@ set(may_include_library
 # For programs that link the library, too: recorded runs, and the page of a simulation, whose states travel as messages.
 set(may_include_include/troupe/recorded_simulation.h common/base include/troupe/simulation.h)
 set(may_include_include/troupe/simulation_page.h common/base include/troupe/simulation.h)
+set(may_include_include/troupe/simulation_recorder.h common/base include/troupe/simulation.h)
+set(may_include_include/troupe/snapshot_bytes.h common/base include/troupe/simulation.h)
 set(may_include_library/runs
   common/base common/model common/spatial include/troupe/recorded_simulation.h include/troupe/simulation.h
-  include/troupe/simulation_page.h recording recording/timeline transport/protocol transport/wire world-service/replay)
+  include/troupe/simulation_page.h include/troupe/simulation_recorder.h include/troupe/snapshot_bytes.h include/troupe/version.h library recording
+  recording/mcap recording/timeline transport/protocol transport/wire world-service/core world-service/replay)
 
 # The package for Python, on the library and, for controllers, on what those may include.
-set(may_include_python/native common/base common/model include/troupe/controller.h include/troupe/sensor.h
-  include/troupe/recorded_simulation.h include/troupe/simulation.h include/troupe/simulation_page.h include/troupe/version.h
+set(may_include_python/native common/base common/geometry common/model include/troupe/controller.h include/troupe/sensor.h
+  include/troupe/recorded_simulation.h include/troupe/simulation.h include/troupe/simulation_page.h
+  include/troupe/simulation_recorder.h include/troupe/snapshot_bytes.h include/troupe/version.h
   common/signals testing/expectations)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.

@@ -23,6 +23,7 @@ import xml.etree.ElementTree as xml
 
 import numpy
 import troupe
+from troupe import rl
 
 from mapper import Mapper
 
@@ -109,6 +110,51 @@ def gap_motion(ranges, poses):
     turn = numpy.clip(2.5 * angle, -2.0, 2.0)
     stuck = clear < 0.5
     return numpy.column_stack([numpy.where(stuck, 0.0, speed), numpy.where(stuck, 1.2, turn)])
+
+
+class Barn(rl.Task):
+    """The challenge as a task of troupe.rl: each start is another world; those with held_out=True are the challenge's fifty for
+    tests, 0, 6, ... 294, and the others are for training.
+
+    Reward: metres of progress towards the goal, 10 at the goal, and -10 for a contact, both of which end the episode. Actions
+    are (forward, turn) in [-1, 1], of 2 m/s and 2 rad/s, for 0.2 s each. Observations: the 720 ranges / 10 m, the motion,
+    the contact, and distance / 10 m and bearing of the goal.
+    """
+
+    name = "barn"
+    speed, turn_rate, reach = TOP_SPEED, 2.0, 10.0
+    max_steps = 500  # 100 s
+    goal = GOAL
+
+    def __init__(self, checkout, numbers=range(300)):
+        super().__init__(1)
+        self.folder = pathlib.Path(checkout) / "jackal_helper/worlds/BARN"
+        self.training = [number for number in numbers if number % 6 != 0]
+        self.tests = [number for number in numbers if number % 6 == 0]
+
+    def world(self, seed):
+        numbers, first = (self.tests, rl.HELD_OUT) if seed >= rl.HELD_OUT else (self.training, 1)
+        number = numbers[(seed - first) % len(numbers)]
+        return started(world_of(cylinders(self.folder / f"world_{number}.world"), "lidar"), seed)
+
+    def formulas(self):
+        return rl.Formulas(
+            memory={"left": "distance"},
+            define={"distance": "hypot(goal[0] - x, goal[1] - y)", "bearing": "atan2(goal[1] - y, goal[0] - x) - heading"},
+            observe=["distance / 10", "cos(bearing)", "sin(bearing)"],
+            reward="left - distance + 10 * (distance <= 1) - 10 * stalled",
+            ended="distance <= 1 or stalled",
+            after={"left": "distance"})
+
+    def scripted(self, observations):
+        """gap_motion, from the observations."""
+        ranges = observations[:, 0, :RAYS].astype(float) * self.reach
+        distance, cos, sin = numpy.moveaxis(observations[:, 0, -3:].astype(float), -1, 0)
+        bearing = numpy.arctan2(sin, cos)
+        # Poses at the origin would see the goal elsewhere: such that it is where the observation says.
+        poses = numpy.stack([GOAL[0] - 10 * distance * numpy.cos(bearing), GOAL[1] - 10 * distance * numpy.sin(bearing),
+                             0 * bearing, 0 * bearing], axis=-1)
+        return (gap_motion(ranges, poses) / [self.speed, self.turn_rate])[:, None]
 
 
 def run(checkout, numbers, runs, planner, threads=0):

@@ -63,6 +63,7 @@ class Snapshot {
 
  private:
   friend class Simulation;
+  friend class SnapshotBytes;
   struct Content;
   explicit Snapshot(std::shared_ptr<const Content> content) : content_(std::move(content)) {}
 
@@ -198,6 +199,8 @@ class Simulation {
  private:
   friend class RecordedSimulation;
   friend class SimulationPage;
+  friend class SimulationRecorder;
+  friend class SnapshotBytes;
   struct Impl;
   explicit Simulation(std::unique_ptr<Impl> impl);
   static Result<Simulation> Make(WorldDescription world, const SimulationOptions& options);

@@ -8,6 +8,7 @@ PYBIND11_MODULE(_troupe, module) {
   troupe::python::DefineState(module);
   troupe::python::DefineSimulation(module);
   troupe::python::DefineVectorSimulation(module);
+  troupe::python::DefineEpisodes(module);
   troupe::python::DefineMonitors(module);
   troupe::python::DefineRecording(module);
   troupe::python::DefinePixels(module);

@@ -104,6 +104,22 @@ or (robots, 2) of vx, wz. The drive bounds it. A car follows the twist as far as
 else of a Command is executed once: grippers, joints, messages, orders, and the text to say.)")
       .def("release", Release, "robot"_a = py::none(), "Returns a robot, or all, to its controller.")
       .def(
+          "record",
+          [](const WorldPointer& world, const py::object& file, std::int64_t keyframe_interval) {
+            if (keyframe_interval < 1) {
+              throw py::value_error(fmt::format("keyframe_interval: found {}, expected 1 or more", keyframe_interval));
+            }
+            world->StartRecording(PathOf(file), static_cast<Tick>(keyframe_interval));
+          },
+          "file"_a, "keyframe_interval"_a = 100,
+          R"(Records all that follows into a file as `troupe run --record` makes it: for troupe.Recording and `troupe replay`.
+
+The file is whole after stop_recording(), or when the simulation is gone. keyframe_interval: in ticks, of whole states, from
+which readers begin. Raises RunError for a file that cannot be written; then a step does, when the disk is full.)")
+      .def(
+          "stop_recording", [](const WorldPointer& world) { world->StopRecording(); },
+          "Ends the recording, if there is one.")
+      .def(
           "save", [](const WorldPointer& world) { return ValueOf(World::Use(*world)->Save()); },
           "A Snapshot of the whole simulation. Raises RunError if a controller cannot be copied.")
       .def(

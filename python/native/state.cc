@@ -10,7 +10,9 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,6 +22,7 @@
 #include "python/native/convert.h"
 #include "python/native/world.h"
 #include "troupe/simulation.h"
+#include "troupe/snapshot_bytes.h"
 
 namespace troupe::python {
 namespace {
@@ -201,6 +204,20 @@ void DefineSnapshot(py::module_& module) {
           "tick", [](const SnapshotPointer& snapshot) { return snapshot->tick(); }, "The tick at which it was saved.")
       .def("__copy__", [](const SnapshotPointer& snapshot) { return snapshot; })
       .def("__deepcopy__", [](const SnapshotPointer& snapshot, const py::object&) { return snapshot; })
+      .def(py::pickle(
+          [](const SnapshotPointer& snapshot) {
+            const std::vector<std::byte> bytes = ValueOf(SnapshotBytes::Write(*snapshot));
+            return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+          },
+          [](const py::bytes& pickled) {
+            const std::string_view text = pickled;
+            std::optional<Result<Snapshot>> read;
+            {
+              const py::gil_scoped_release release;
+              read.emplace(SnapshotBytes::Read(std::as_bytes(std::span(text))));
+            }
+            return std::make_shared<Snapshot>(ValueOf(*std::move(read)));
+          }))
       .def("__repr__", [](const SnapshotPointer& snapshot) {
         return fmt::format("<troupe.Snapshot at tick {}>", snapshot->tick());
       });

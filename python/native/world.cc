@@ -7,11 +7,13 @@
 #include <chrono>
 #include <exception>
 #include <future>
+#include <limits>
 #include <optional>
 #include <thread>
 #include <utility>
 
 #include "python/native/convert.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe::python {
 namespace {
@@ -281,7 +283,10 @@ void World::CheckRobots(std::size_t count) const {
 }
 
 void World::StepOnce() {
+  const bool records = recorder_ && recorded_.ok();
+  if (records) recorded_ = recorder_->BeforeStep(simulation_);
   simulation_.Step();
+  if (records && recorded_.ok()) recorded_ = recorder_->AfterStep(simulation_);
   events.insert(events.end(), simulation_.events().begin(), simulation_.events().end());
   reports.insert(reports.end(), simulation_.reports().begin(), simulation_.reports().end());
   if (page_) page_->Show(simulation_);
@@ -297,6 +302,54 @@ void World::Step(Tick ticks, const std::function<bool(const Simulation&)>& goes_
       if (goes_on && !goes_on(simulation_)) break;
     }
   });
+  RaiseIfNotRecorded();
+}
+
+void World::StartRecording(const std::string& file, Tick keyframe_interval) {
+  const Use use(*this);
+  if (recorder_) throw std::runtime_error("the simulation is recorded already: stop_recording ends that");
+  std::optional<Result<SimulationRecorder>> made;
+  {
+    const py::gil_scoped_release release;
+    made.emplace(SimulationRecorder::Create(file, simulation_, {keyframe_interval}));
+  }
+  recorder_.emplace(ValueOf(*std::move(made)));
+  recorded_ = {};
+}
+
+void World::StopRecording() {
+  const Use use(*this);
+  if (!recorder_) return;
+  const Status closed = recorder_->Close();
+  recorder_.reset();
+  RaiseIfNotRecorded();
+  RaiseIfBad(closed);
+}
+
+void World::RaiseIfNotRecorded() {
+  if (recorded_.ok()) return;
+  recorder_.reset();
+  const Status failure = std::exchange(recorded_, Status());
+  RaiseIfBad(failure);
+}
+
+void World::ForEachHit(const RangerReading& reading, const std::function<void(const std::array<double, 3>&)>& visit) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const double* range = reading.ranges.data();
+  for (const ScanGeometry& scan : *reading.geometry) {
+    for (std::size_t plane = 0; plane < scan.planes(); ++plane) {
+      const SinCosResult up = SinCos(scan.elevation(plane));
+      for (std::size_t ray = 0; ray < scan.fan.count; ++ray, ++range) {
+        const SinCosResult turn = SinCos(scan.fan.Bearing(ray) + scan.X_RS.heading);
+        const double flat = *range * up.cos;
+        if (*range < scan.limits.max) {
+          visit({scan.X_RS.x + flat * turn.cos, scan.X_RS.y + flat * turn.sin, scan.X_RS.z + *range * up.sin});
+        } else {
+          visit({kNone, kNone, kNone});
+        }
+      }
+    }
+  }
 }
 
 void World::Restore(const Snapshot& snapshot) {

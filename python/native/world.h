@@ -18,6 +18,7 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -34,6 +35,7 @@
 #include "common/signals/state_tables.h"
 #include "troupe/simulation.h"
 #include "troupe/simulation_page.h"
+#include "troupe/simulation_recorder.h"
 
 namespace troupe::python {
 
@@ -146,6 +148,12 @@ class World {
   // Opens the page, if it is not open, and returns its address.
   std::string OpenPage(const SimulationPageOptions& options);
   void ClosePage();
+  // Records from the present state on, into a file that is whole when StopRecording has returned, or with the end of
+  // this.
+  void StartRecording(const std::string& file, Tick keyframe_interval);
+  void StopRecording();
+  // Throws the error of the recording, once: StepOnce cannot. REQUIRES: the interpreter's lock
+  void RaiseIfNotRecorded();
   // Of the last call of Step.
   std::vector<Event> events;
   std::vector<std::string> reports;
@@ -159,6 +167,18 @@ class World {
     CheckRobots(sensors.size());
     for (std::size_t i = 0; i < sensors.size(); ++i) {
       for (const double range : Ranges(RobotId(i), sensors[i], rays)) *out++ = static_cast<Number>(range);
+    }
+  }
+  // Writes where the rays of the sensor of each robot have hit, x, y, z in R; not a number without a hit. As
+  // CopyRanges.
+  template <typename Number>
+  void CopyPoints(const std::vector<std::size_t>& sensors, std::size_t rays, Number* out) const {
+    CheckRobots(sensors.size());
+    for (std::size_t i = 0; i < sensors.size(); ++i) {
+      Ranges(RobotId(i), sensors[i], rays);
+      ForEachHit(*simulation_.Read(RobotId(i), sensors[i]).ranger(), [&out](const std::array<double, 3>& point) {
+        for (const double part : point) *out++ = static_cast<Number>(part);
+      });
     }
   }
   // Height and width of the images of the first robot's camera. The error is a sensor that is no camera.
@@ -190,6 +210,7 @@ class World {
   void FollowEdit(std::size_t before);
   const CameraReading& Image(RobotId robot, std::size_t sensor, std::pair<std::size_t, std::size_t> shape) const;
   const std::vector<double>& Ranges(RobotId robot, std::size_t sensor, std::size_t rays) const;
+  static void ForEachHit(const RangerReading& reading, const std::function<void(const std::array<double, 3>&)>& visit);
 
   Simulation simulation_;
   std::atomic<bool> used_ = false;
@@ -199,6 +220,8 @@ class World {
   std::map<std::string, std::vector<std::size_t>> named_sensors_;  // of FindSensors, by name: it is slow
   bool calls_python_ = false;                                      // a robot's controller does
   std::optional<SimulationPage> page_;
+  std::optional<SimulationRecorder> recorder_;
+  Status recorded_;  // the first error of the recording, until it is raised
 };
 
 // A troupe.Simulation, which can be stepped.
@@ -214,6 +237,7 @@ const StateTable& FindTable(const std::string& name);
 void DefineState(py::module_& module);
 void DefineSimulation(py::module_& module);
 void DefineVectorSimulation(py::module_& module);
+void DefineEpisodes(py::module_& module);  // after it
 void DefineMonitors(py::module_& module);
 void DefineRecording(py::module_& module);
 void DefinePixels(py::module_& module);

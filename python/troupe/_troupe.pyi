@@ -160,6 +160,9 @@ class Simulation(State):
         """Adds a model of the world's file, a file with one model, or "FILE#NAME"; returns its name."""
     def delete(self, name: str) -> None:
         """Removes it; arrays keep its row."""
+    def record(self, file: _File, keyframe_interval: int = 100) -> None:
+        """Records all that follows into a file as `troupe run --record` makes it; whole after stop_recording()."""
+    def stop_recording(self) -> None: ...
     def save(self) -> Snapshot:
         """RunError if a controller cannot be copied."""
     def restore(self, snapshot: Snapshot) -> None:
@@ -234,6 +237,10 @@ class VectorSimulation:
         """(worlds, stores): J."""
     def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
         """(worlds, robots, rays), m."""
+    def points(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray[Any, Any]] = None) -> numpy.ndarray[Any, Any]:
+        """(worlds, robots, rays, 3): where the rays have hit, m in R; nan without a hit."""
+    def receptions(self, sensor: _Robot = "radio") -> Dict[str, Any]:
+        """The radio messages that arrive at this tick: columns (worlds, rows), "rows" (worlds,), and "data" as bytes."""
     def images(self, sensor: _Robot = "camera", out: Optional[NDArray[numpy.uint8]] = None) -> NDArray[numpy.uint8]:
         """(worlds, robots, height, width, 3)."""
     def depths(self, sensor: _Robot = "camera", out: Optional[NDArray[numpy.float32]] = None) -> NDArray[numpy.float32]:
@@ -247,6 +254,23 @@ class VectorSimulation:
     def state_hashes(self) -> NDArray[numpy.uint64]: ...
     @property
     def ticks(self) -> NDArray[numpy.int64]: ...
+
+FORMULA_OPS: Tuple[str, ...]
+FORMULA_INPUTS: Tuple[str, ...]
+
+class Episodes:
+    """The native part of troupe.rl.Episodes."""
+
+    def __init__(self, worlds: VectorSimulation, sensor: Optional[str], task: Dict[str, Any]) -> None: ...
+    def look(self, which: NDArray[numpy.bool_]) -> None:
+        """Episodes have begun in the worlds of a mask: reads them."""
+    def start(self, which: NDArray[numpy.bool_]) -> None:
+        """Then sets their memory to its start, and observes."""
+    def step(self, actions: ArrayLike, frozen: NDArray[numpy.bool_], idle: NDArray[numpy.bool_]) -> None:
+        """Drives, steps, reads, rewards and observes all worlds but the idle ones."""
+    @property
+    def arrays(self) -> Dict[str, Any]:
+        """By name; written at each step."""
 
 _Outline = Sequence[Tuple[float, float]]
 _Regions = Optional[Mapping[str, Union[_Outline, Tuple[_Outline, float]]]]

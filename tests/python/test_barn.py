@@ -54,6 +54,24 @@ class Barn(unittest.TestCase):
                 self.assertTrue(7.0 < taken < 40.0 and 0.1 < score <= 0.5, (taken, score))
             self.assertEqual(len(set(hashes.tolist())), 3)  # each run starts elsewhere
 
+    def test_an_environment_rewards_the_way_to_the_goal(self):
+        from troupe import rl
+        worlds = self.checkout / "jackal_helper/worlds/BARN"
+        (worlds / "world_1.world").write_text((worlds / "world_0.world").read_text().replace(" 8.0 0 0 0 0", " 9.0 0 0 0 0"))
+        task = load().Barn(self.checkout, [0, 1])
+        for held_out in (False, True):
+            env = rl.VectorEnv(task, 2, held_out=held_out, autoreset="disabled")
+            observations, _ = env.reset(seed=1)
+            self.assertEqual(observations.shape, (2, 1, 720 + 6))
+            rows = {round(pose, 3) for pose in observations[:, 0, -3]}
+            self.assertTrue(all(0.9 < row < 1.1 for row in rows))
+            walls = numpy.nonzero(env.simulations[0].map(0.05).occupied.sum(axis=1) > 40)[0]
+            self.assertGreater(len(walls), 0)
+        scores = rl.evaluate(task, task.scripted, episodes=3, seed=1, held_out=True)
+        self.assertTrue((scores > 18.0).all(), scores)  # nine metres, and the goal
+        straight = rl.evaluate(task, lambda seen: numpy.ones((*seen.shape[:2], 2)) * [1, 0], episodes=3, seed=1, held_out=True)
+        self.assertTrue((straight < 0.0).all(), straight)  # into the wall
+
     def test_the_program_prints_a_row(self):
         done = subprocess.run([sys.executable, SCRIPT, self.checkout, "--worlds", "0", "--runs", "1", "--csv", self.checkout / "runs.csv"],
                               capture_output=True, text=True, timeout=100)

@@ -220,6 +220,106 @@ class Recordings(unittest.TestCase):
             state.poses
 
 
+class FromPython(unittest.TestCase):
+    """Recordings that Simulation.record makes, by the readers of those of `troupe run`."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.file = pathlib.Path(folder.name) / "own.mcap"
+
+    def replay(self, *arguments):
+        done = subprocess.run([PROGRAMS / "troupe", "replay", self.file, "--verify", *arguments], text=True, capture_output=True,
+                              timeout=100)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_controllers_and_commands_are_replayed(self):
+        sim = troupe.Simulation(SCENARIOS / "demo.json")
+        sim.record(self.file, keyframe_interval=10)
+        expected = [sim.state_hash]
+        for tick in range(40):
+            if tick == 5:
+                sim.drive((0.2, 0.3), 0)
+            if tick == 20:
+                sim.release()
+            sim.step()
+            expected.append(sim.state_hash)
+        with self.assertRaisesRegex(RuntimeError, "recorded already"):
+            sim.record(self.file)
+        sim.stop_recording()
+        sim.stop_recording()
+        sim.step()
+        self.assertEqual([state.state_hash for state in troupe.Recording(self.file)], expected)
+        self.replay()
+        self.replay("--from", "25", "--to", "30")
+
+    def test_changes_and_restored_snapshots_are_states_of_their_own(self):
+        sim = troupe.Simulation(SCENARIOS / "demo.json")
+        sim.step(7)
+        saved = sim.save()
+        sim.record(self.file)
+        expected = [sim.tick]
+        ticks = []
+
+        def step(count):
+            for _ in range(count):
+                sim.step()
+                ticks.append((sim.tick, sim.state_hash))
+
+        step(3)
+        name = sim.spawn("scout", (0, -0.4, 0), controller="wander")
+        step(4)
+        sim.set_pose(name, (0, -0.4, 3.14))
+        step(2)
+        sim.restore(saved)
+        step(5)
+        other = troupe.Simulation(LAB)
+        other.step(2)
+        sim.restore(other.save())
+        step(3)
+        sim.stop_recording()
+        recording = troupe.Recording(self.file)
+        self.assertEqual(recording[0].tick, 0)
+        self.assertEqual(recording[1].tick, expected[0])
+        found = [(state.tick, state.state_hash) for state in recording]
+        self.assertEqual([each for each in found if each in ticks], ticks)
+        # The states between are those of the changes.
+        self.assertEqual(len(found), len(ticks) + 2 + 4)
+        self.assertEqual(recording[-1].robots, other.robots)
+        self.replay()
+
+    def test_worlds_of_a_vector_are_recorded_while_they_learn(self):
+        from troupe import rl
+        env = rl.VectorEnv(rl.Navigation(robots=2), 3, threads=2)
+        env.reset(seed=1)
+        env.simulations[1].record(self.file)
+        generator = numpy.random.default_rng(0)
+        for _ in range(20):
+            env.step(generator.uniform(-1, 1, env.action_space.shape))
+        last = env.simulations[1].state_hash
+        env.simulations[1].stop_recording()
+        self.assertEqual(troupe.Recording(self.file)[-1].state_hash, last)
+        self.replay()
+
+    def test_a_file_that_cannot_be_written_is_an_error(self):
+        sim = troupe.Simulation(LAB)
+        with self.assertRaises(troupe.Error):
+            sim.record(self.file.parent / "none" / "run.mcap")
+        for interval in (0, -1):
+            with self.assertRaises(ValueError):
+                sim.record(self.file, keyframe_interval=interval)
+        with self.assertRaisesRegex(troupe.Error, "No space left"):
+            sim.record("/dev/full")
+        sim.step()  # goes on without a recording
+        del sim
+        sim = troupe.Simulation(LAB)
+        sim.record(self.file)
+        sim.step(3)
+        del sim  # closes the file
+        gc.collect()
+        self.assertEqual(len(troupe.Recording(self.file)), 4)
+
+
 class Pages(unittest.TestCase):
     def setUp(self):
         self.sim = troupe.Simulation(LAB)

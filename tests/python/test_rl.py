@@ -8,9 +8,9 @@ import numpy
 
 from troupe import rl
 
-TASKS = (rl.Navigation, rl.Coverage, rl.Flocking, rl.Foraging, rl.Carrying, rl.Stacking)
-# What the mean of rl.evaluate(task(), task.scripted, episodes=8, seed=0) exceeds; docs/python.md has the scores.
-REFERENCE = {rl.Navigation: 3.5, rl.Coverage: 17.0, rl.Flocking: 80.0, rl.Foraging: 4.0,
+TASKS = (rl.Navigation, rl.Rooms, rl.Crowd, rl.Coverage, rl.Flocking, rl.Foraging, rl.Carrying, rl.Stacking)
+# What the mean of rl.evaluate(task(), task.scripted, episodes=8, seed=0) exceeds; docs/learning.md has the scores.
+REFERENCE = {rl.Navigation: 3.5, rl.Rooms: 2.0, rl.Crowd: 2.0, rl.Coverage: 17.0, rl.Flocking: 80.0, rl.Foraging: 4.0,
              rl.Carrying: 9.0, rl.Stacking: 14.0}
 
 
@@ -87,6 +87,37 @@ class Parallel(unittest.TestCase):
         env.reset(seed=0)
         self.assertTrue(env.render().startswith(b"\x89PNG"))
 
+    def test_discrete_actions_are_motions(self):
+        env, same = rl.ParallelEnv(rl.Navigation(2), discrete=True), rl.ParallelEnv(rl.Navigation(2))
+        env.reset(seed=1)
+        same.reset(seed=1)
+        names = env.possible_agents
+        self.assertEqual(env.action_space(names[0]).n, len(rl.DISCRETE))
+        for i in range(1, 7):
+            env.step({name: i for name in names})
+            same.step({name: rl.DISCRETE[i] for name in names})
+            self.assertEqual(env.state_hash, same.state_hash)
+        self.assertEqual(pickle.loads(pickle.dumps(env)).discrete, True)
+        with self.assertRaises(ValueError):
+            rl.ParallelEnv(rl.Carrying(), discrete=True)
+
+    @unittest.skipUnless(importlib.util.find_spec("gymnasium"), "gymnasium is not installed")
+    def test_an_environment_of_tuples(self):
+        from troupe.rl.adapters import TeamEnv
+        env = TeamEnv(Short(3))
+        observations, infos = env.reset(seed=4)
+        self.assertEqual((len(observations), env.n_agents, infos), (3, 3, {}))
+        same = rl.ParallelEnv(Short(3), discrete=True)
+        same.reset(seed=4)
+        for step in range(5):
+            self.assertTrue(env.observation_space.contains(observations))
+            observations, rewards, terminated, truncated, infos = env.step((1, 2, 3))
+            _, expected, _, _, _ = same.step(dict(zip(same.possible_agents, (1, 2, 3))))
+            self.assertEqual((rewards, env.state_hash), (list(expected.values()), same.state_hash))
+            self.assertEqual((terminated, truncated, infos["robot_ended"].tolist()), (False, step == 4, [False] * 3))
+        with self.assertRaises(ValueError):
+            env.step((1, 2))
+
     @unittest.skipUnless(importlib.util.find_spec("pettingzoo"), "pettingzoo is not installed")
     def test_pettingzoo(self):
         from pettingzoo.test import parallel_api_test, parallel_seed_test
@@ -156,6 +187,8 @@ class Single(unittest.TestCase):
     def test_stable_baselines(self):
         from stable_baselines3 import PPO
         from stable_baselines3.common.env_checker import check_env
+        for kind in TASKS:
+            check_env(rl.RobotEnv(kind(robots=1) if kind is not rl.Stacking else kind(), render_mode="rgb_array"))
         for discrete in (False, True):
             env = rl.RobotEnv(rl.Navigation(robots=1), discrete=discrete)
             check_env(env)
@@ -233,6 +266,42 @@ class Vector(unittest.TestCase):
         for wrong, kind in ((1.5, TypeError), (-1, ValueError), ([1], ValueError), ([1, -2], ValueError)):
             with self.assertRaises(kind):
                 env.reset(seed=wrong)
+
+    def test_held_out_starts_are_others(self):
+        for kind in (rl.Navigation, rl.Rooms):
+            poses = {}
+            for held_out in (False, True):
+                env = rl.VectorEnv(kind(), 40, held_out=held_out)
+                again = pickle.loads(pickle.dumps(env))
+                self.assertEqual(env.reset(seed=1)[0].tolist(), again.reset(seed=1)[0].tolist())
+                poses[held_out] = {tuple(world.ravel()) for world in env.simulations.poses()}
+                self.assertGreater(len(poses[held_out]), 8)  # of sixteen
+            self.assertFalse(poses[False] & poses[True])
+
+    def test_each_start_of_rooms_has_walls_of_its_own(self):
+        env = rl.VectorEnv(rl.Rooms(), 12)
+        env.reset(seed=1)
+        maps = {env.simulations[i].map(0.1).occupied.tobytes() for i in range(12)}
+        self.assertGreater(len(maps), 4)
+        before = env.state_hashes.tolist()
+        actions = numpy.random.default_rng(0).uniform(-1, 1, (30, *env.action_space.shape))
+        for action in actions:
+            env.step(action)
+        after = env.state_hashes.tolist()
+        env.reset(seed=1)
+        self.assertEqual(env.state_hashes.tolist(), before)
+        for action in actions:
+            env.step(action)
+        self.assertEqual(env.state_hashes.tolist(), after)
+
+    def test_people_walk_in_a_crowd(self):
+        env = rl.ParallelEnv(rl.Crowd())
+        env.reset(seed=1)
+        before = env.simulation.table("people")["x"]
+        self.assertEqual(len(before), rl.Crowd.people)
+        for _ in range(20):
+            env.step({})
+        self.assertGreater(numpy.abs(env.simulation.table("people")["x"] - before).max(), 0.5)
 
     def test_hashes_do_not_depend_on_the_threads(self):
         found = []

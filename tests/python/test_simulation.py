@@ -7,6 +7,7 @@ import sys
 import tempfile
 import threading
 import time
+import random
 import unittest
 
 import numpy
@@ -157,6 +158,41 @@ class Stepping(unittest.TestCase):
         fork.restore(saved)
         fork.step(30)
         self.assertEqual(fork.state_hash, expected)
+
+    def test_a_pickled_snapshot_continues_alike_in_another_process(self):
+        sim = troupe.Simulation(SWARM, run_controllers=False)
+        sim.drive(numpy.random.default_rng(1).uniform(-1, 1, (100, 2)))
+        sim.step(20)
+        pickled = pickle.dumps(sim.save())
+        sim.step(30)
+        code = "import pickle, sys, troupe; sim = troupe.Simulation(sys.argv[1]); " \
+               "sim.restore(pickle.load(sys.stdin.buffer)); print(sim.tick); sim.step(30); print(sim.state_hash)"
+        done = subprocess.run([sys.executable, "-c", code, SCENARIOS / "lab.json"], input=pickled, capture_output=True, check=True)
+        self.assertEqual(done.stdout.decode().split(), ["20", str(sim.state_hash)])
+        again = pickle.loads(pickled)
+        self.assertEqual(again.tick, 20)
+        self.assertEqual(pickle.dumps(again), pickled)
+        for world, reason in ((SWARM, "has the controller"), (LAB, "has the controller")):
+            with self.assertRaisesRegex(troupe.Error, reason):
+                pickle.dumps(troupe.Simulation(world).save())
+        grippers = troupe.Simulation(SCENARIOS / "stacking.json", run_controllers=False)
+        with self.assertRaisesRegex(troupe.Error, "has joints"):
+            pickle.dumps(grippers.save())
+        state = again.__getstate__()
+        generator = random.Random(2)
+        for _ in range(200):
+            broken = bytearray(state)
+            for _ in range(generator.randint(1, 3)):
+                broken[generator.randrange(len(broken))] = generator.randrange(256)
+            if generator.random() < 0.5:
+                del broken[generator.randrange(len(broken)):]
+            other = troupe.Snapshot.__new__(troupe.Snapshot)
+            try:
+                other.__setstate__(bytes(broken))
+            except troupe.Error:
+                continue
+            sim.restore(other)  # a change of a number, of which nothing can be said
+            sim.step()
 
     def test_events_of_a_call_have_their_ticks_and_names(self):
         sim = troupe.Simulation(LAB)

@@ -53,6 +53,16 @@ class Tour(unittest.TestCase):
             for picture in ("swarm.png", "swarm.svg"):
                 self.assertGreater(os.path.getsize(os.path.join(folder, picture)), 1000)
 
+    def test_the_page_of_learning_runs(self):
+        page = ROOT / "docs/learning.md"
+        code = ""
+        for language, file, text, line in blocks(page.read_text()):
+            if language == "python":
+                code += "\n" * (line - code.count("\n")) + text
+        self.assertIn("class Race", code)
+        done = subprocess.run([sys.executable, "-c", code], cwd=tempfile.gettempdir(), capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, f"lines are those of {page}\n{done.stdout}{done.stderr}")
+
     def test_the_page_shows_the_example(self):
         shown = {file: text for _, file, text, _ in blocks((ROOT / "docs/python.md").read_text()) if file}
         scenario = json.loads((ROOT / "examples/python/patrol.json").read_text())
@@ -65,10 +75,14 @@ class Tour(unittest.TestCase):
                                   cwd=folder, capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertRegex(done.stdout, r"100 robots are [1-9]\.\d\d m from their starts")
-            done = subprocess.run([sys.executable, examples / "train.py", "1", "curve.csv"], cwd=folder,
-                                  capture_output=True, text=True)
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
-            self.assertIn("score of 32 new episodes", done.stdout)
+            digests = []
+            for threads in "12":
+                done = subprocess.run([sys.executable, examples / "train.py", "--iterations", "1", "--curve", "curve.csv",
+                                       "--threads", threads], cwd=folder, capture_output=True, text=True)
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                self.assertIn("score of 32 new episodes", done.stdout)
+                digests += re.findall(r"weights (\w{16})", done.stdout)
+            self.assertEqual(digests[0], digests[1])
             self.assertEqual(len((pathlib.Path(folder) / "curve.csv").read_text().splitlines()), 2)
             code = "import sweep; sweep.COUNTS, sweep.SPEEDS, sweep.TICKS = (3,), (0.5,), 20; sweep.main('sweep.csv')"
             done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True,

@@ -94,6 +94,45 @@ class VectorSimulation(unittest.TestCase):
         with self.assertRaises(ValueError):
             vector.energy()
 
+    def test_points_are_those_of_single_readings(self):
+        vector = troupe.VectorSimulation(SWARM, 2)
+        vector.step(3)
+        points, ranges = vector.points(), vector.ranges()
+        self.assertEqual(points.shape, (*ranges.shape, 3))
+        for world, robot in ((0, 0), (1, 57)):
+            reading = vector[world].read(robot, "ranger")
+            found = points[world, robot]
+            numpy.testing.assert_allclose(found[~numpy.isnan(found[:, 0])], reading.points, atol=1e-9)
+        single = numpy.zeros(points.shape, numpy.float32)
+        self.assertIs(vector.points("ranger", out=single), single)
+        numpy.testing.assert_allclose(single, points, atol=1e-5)
+        for wrong in (lambda: vector.points("none"), lambda: vector.points(out=numpy.zeros((2, 100, 3)))):
+            with self.assertRaises(ValueError):
+                wrong()
+
+    def test_receptions_are_those_of_single_readings(self):
+        vector = troupe.VectorSimulation(SCENARIOS / "radio.json", 3)
+        total = 0
+        for _ in range(60):
+            vector.step()
+            found = vector.receptions()
+            self.assertEqual(found["sender"].shape, (3, found["rows"].max()))
+            for world in range(3):
+                expected = [(robot, each) for robot in range(vector.num_robots)
+                            for each in vector[world].read(robot, "radio").receptions]
+                total += len(expected)
+                self.assertEqual(found["rows"][world], len(expected))
+                for row, (robot, each) in enumerate(expected):
+                    self.assertEqual((found["receiver"][world, row], found["sender"][world, row], found["tick"][world, row],
+                                      found["to_all"][world, row], found["rssi"][world, row], found["data"][world][row]),
+                                     (robot, each.sender, each.tick, each.to_all, each.rssi, each.data))
+                    if each.place is not None:
+                        self.assertEqual(found["bearing"][world, row], each.place.bearing)
+                self.assertTrue((found["sender"][world, len(expected):] == -1).all())
+        self.assertGreater(total, 0)
+        with self.assertRaises(ValueError):
+            troupe.VectorSimulation(SWARM, 2).receptions("ranger")
+
     def test_dlpack(self):
         vector = troupe.VectorSimulation(SWARM, 2)
         poses = vector.poses()

@@ -8,10 +8,12 @@ Gymnasium (`RobotEnv`, `VectorEnv`), neither of which has to be installed, and t
 A task is a small class of functions on arrays over all worlds and robots: `Task` says which.
 """
 
-from .envs import DISCRETE, Episodes, ParallelEnv, RobotEnv, VectorEnv, evaluate
+from .envs import DISCRETE, HELD_OUT, Episodes, ParallelEnv, RobotEnv, VectorEnv, evaluate
+from .formulas import Formulas
 from .grippers import Carrying, Manipulation, Stacking
+from .maps import Crowd, Rooms
 from .spaces import Box, Discrete
 from .tasks import Coverage, Flocking, Foraging, Navigation, Situation, Task
 
-__all__ = ["Box", "Carrying", "Coverage", "DISCRETE", "Discrete", "Episodes", "Flocking", "Foraging", "Manipulation", "Navigation",
-           "ParallelEnv", "RobotEnv", "Situation", "Stacking", "Task", "VectorEnv", "evaluate"]
+__all__ = ["Box", "Carrying", "Coverage", "Crowd", "DISCRETE", "Discrete", "Episodes", "Flocking", "Foraging", "Formulas",
+           "HELD_OUT", "Manipulation", "Navigation", "ParallelEnv", "RobotEnv", "Rooms", "Situation", "Stacking", "Task", "VectorEnv", "evaluate"]

@@ -1,8 +1,8 @@
 """Environments: a task as PettingZoo's ParallelEnv and as Gymnasium's VectorEnv, by their conventions alone.
 
 Neither package has to be installed; where one is, its class is the base, since its wrappers accept no other. Both are thin:
-`Episodes` has the worlds, and works on arrays over all worlds and robots, without a loop in Python for each robot. Arrays of a
-Situation are reused from step to step: a task that keeps one copies it.
+`Episodes` has the worlds. A step of all of them, with rewards and observations by the formulas of the task, is one call of
+its native part.
 
 The same seed and actions give the same observations and state hashes: all chance comes from a generator for each world.
 """
@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import copy
 import importlib
-import json
 import operator
-import tempfile
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy
 
+from .._troupe import Episodes as NativeEpisodes
 from .._troupe import Simulation, VectorSimulation
+from .formulas import compiled
 from .spaces import Array, Box, Discrete
 from .tasks import Situation, Task
 
@@ -35,6 +35,10 @@ def _base(module: str, name: str) -> type:
 DISCRETE = numpy.array([(0.0, 0.0), (1.0, 0.0), (0.7, 0.6), (0.7, -0.6), (0.0, 1.0), (0.0, -1.0), (-0.5, 0.0)])
 
 
+# The seeds of the starts for tests begin here, far from those of trainings.
+HELD_OUT = 1_000_001
+
+
 def _whole(seed: Any) -> int:
     try:
         number = operator.index(seed)
@@ -45,58 +49,52 @@ def _whole(seed: Any) -> int:
     return number
 
 
-class _Travel:
-    """The positions of a joint of each robot's gripper, 0 at its minimum and 1 at its maximum."""
-
-    def __init__(self, sim: Simulation, part: str) -> None:
-        infos = [sim.robot(name) for name in sim.robots]
-        if len(sim.grippers) != len(infos) or any(not info.grippers for info in infos):
-            raise ValueError("found another number of grippers, expected one for each robot")
-        joints = [info.joints[getattr(info.grippers[0], part)] for info in infos]
-        self.columns = [sim.joints.index(f"{info.name}.{joint.name}") for info, joint in zip(infos, joints)]
-        self.low = numpy.array([joint.min for joint in joints])
-        self.range = numpy.array([joint.max - joint.min for joint in joints])
-        self.speed = numpy.array([joint.max_speed for joint in joints]) / self.range  # 1/s
-
-    def __call__(self, positions: Array) -> Array:
-        return (positions[:, self.columns] - self.low) / self.range
+def _travel(sim: Simulation, part: str) -> List[Tuple[int, float, float, float]]:
+    """A joint of each robot's gripper: its number, minimum and range, and its speed in ranges in a second."""
+    infos = [sim.robot(name) for name in sim.robots]
+    if len(sim.grippers) != len(infos) or any(not info.grippers for info in infos):
+        raise ValueError("found another number of grippers, expected one for each robot")
+    rows = []
+    for info in infos:
+        joint = info.joints[getattr(info.grippers[0], part)]
+        rows.append((sim.joints.index(f"{info.name}.{joint.name}"), joint.min, joint.max - joint.min,
+                     joint.max_speed / (joint.max - joint.min)))
+    return rows
 
 
 class Episodes:
-    """Copies of a task's world, and the episodes in them. Both environments are made of it.
+    """Copies of a task's world, and the episodes in them. All environments are made of it.
 
-    A world begins each episode at one of `starts` places of its robots, which the seeds 1, 2, ... of the scenario give, by
-    the generator of its own: the same seed and actions give the same episodes and state hashes. `task` is copied: a task keeps
-    what its episodes need, so that each environment has one of its own.
+    A world begins each episode at one of `starts` starts, which `Task.world` makes of the seeds 1, 2, ..., by the generator
+    of its own: the same seed and actions give the same episodes and state hashes. held_out: the seeds are HELD_OUT and those
+    after it, for scores at starts that no training has. `task` is copied: a task keeps what its episodes need, so that each
+    environment has one of its own.
     """
 
-    def __init__(self, task: Task, count: int, *, threads: int = 0, starts: int = 16) -> None:
+    def __init__(self, task: Task, count: int, *, threads: int = 0, starts: int = 16, held_out: bool = False) -> None:
         self.task = copy.deepcopy(task)
-        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-            json.dump(self.task.scenario(), file)
-            file.flush()
-            self._starts = []
-            self._start_poses: List[Array] = []
-            for seed in range(1, starts + 1):
-                sim = Simulation(file.name, seed=seed)
-                self._starts.append(sim.save())
-                self._start_poses.append(sim.poses)
-            self.worlds = VectorSimulation(file.name, count, seeds=[1] * count, threads=threads)
+        seeds = range(HELD_OUT if held_out else 1, (HELD_OUT if held_out else 1) + starts)
+        self._starts = []
+        self._start_poses: List[Array] = []
+        for seed in seeds:
+            sim = Simulation(self.task.world(seed), seed=seed)
+            self._starts.append(sim.save())
+            self._start_poses.append(sim.poses)
+        self.worlds = VectorSimulation(self.task.world(seeds[0]), count, seeds=[seeds[0]] * count, threads=threads)
         self.robots = sim.robots
-        self._interval = sim.interval
-        shape = (count, len(self.robots))
-        self._poses = numpy.zeros((*shape, 4))
-        self._twists = numpy.zeros((*shape, 3))
-        self._stalls = numpy.zeros(shape)
-        self._contacts = numpy.zeros(shape)
-        self._ranges = numpy.zeros((*shape, sim.ranges(self.task.sensor).shape[1] if self.task.sensor else 0))
-        self._objects = numpy.zeros((count, len(sim.objects), 4))
-        self._joints = numpy.zeros((count, len(sim.joints)))
-        self._held = numpy.full((count, len(sim.grippers)), -1.0)
-        if self.task.gripper:
-            self._lifts, self._fingers = (_Travel(sim, part) for part in ("lift", "left"))
-        self._energy = numpy.zeros((count, len(sim.energy)))
-        self._steps = numpy.zeros(count, int)
+        formulas = self.task.formulas()
+        interval = sim.interval * self.task.ticks_per_step
+        signals = [name for name, column in sim.table("robots").items() if not isinstance(column, tuple)]
+        lift, fingers = (_travel(sim, part) for part in ("lift", "left")) if self.task.gripper else (None, None)
+        self._native = NativeEpisodes(self.worlds, self.task.sensor, {
+            **compiled(formulas, self.task, signals), "speed": self.task.speed, "turn_rate": self.task.turn_rate,
+            "reach": self.task.reach, "ticks": self.task.ticks_per_step, "interval": interval, "lift": lift, "fingers": fingers,
+            "places": [tuple(map(float, place)) for place in self.task.places()]})
+        arrays = self._native.arrays
+        arrays["memory"] = dict(zip(formulas.memory, arrays["memory"]))
+        self._seen = Situation(interval=interval, **arrays)
+        self._nobody = numpy.zeros((count, len(self.robots)), bool)
+        self._none = numpy.zeros(count, bool)
         self.seed(None)
 
     def __len__(self) -> int:
@@ -104,7 +102,7 @@ class Episodes:
 
     @property
     def observation_size(self) -> int:
-        return self._ranges.shape[2] + 3 + self.task.extra
+        return int(self._seen.observations.shape[2]) + self.task.extra
 
     def seed(self, seed: Any, which: Optional[Array] = None) -> None:
         """Of the generators of the worlds of a mask, or of all: a list with a seed for each world, or n for n, n + 1, ...; None: of
@@ -131,58 +129,24 @@ class Episodes:
         """New episodes in the worlds of a mask."""
         numbers = numpy.nonzero(which)[0]
         self.worlds.reset(numbers, [self._starts[self.generators[i].integers(len(self._starts))] for i in numbers])
-        self._steps[which] = 0
-        self._contacts[which] = 0.0
-        self.task.begin(which, self._start_poses, self.generators, self._look())
+        self._native.look(which)
+        self.task.begin(which, self._start_poses, self.generators, self._seen)
+        self._native.start(which)
 
     def observe(self) -> Array:
         """(worlds, robots, numbers), float32."""
-        return self.task.observe(self._look())
+        return numpy.array(self.task.observe(self._seen), numpy.float32)
 
-    def step(self, actions: Array, frozen: Optional[Array] = None
-             ) -> Tuple[Array, Array, Array]:
-        """One step of all worlds by actions (worlds, robots, 2 or 4) in [-1, 1]; robots of the mask `frozen` stand.
+    def step(self, actions: Any, frozen: Optional[Array] = None, idle: Optional[Array] = None) -> Tuple[Array, Array, Array]:
+        """One step of all worlds by actions (worlds, robots, 2 or 4) in [-1, 1]; robots of the mask `frozen` stand, and worlds
+        of the mask `idle` are left as they are.
 
         Returns rewards (worlds, robots), ended (worlds, robots) and truncated (worlds,).
         """
-        # A policy that diverges makes NaN: a robot stands still then, instead of ending the training with an error of
-        # the drive.
-        actions = numpy.clip(numpy.nan_to_num(numpy.asarray(actions, float)), -1.0, 1.0)
-        if frozen is not None:
-            actions = numpy.where(frozen[..., None], 0.0, actions)
-        self.worlds.drive(actions[..., :2] * [self.task.speed, self.task.turn_rate],
-                          self._percents(actions) if self.task.gripper else None)
-        self.worlds.step(self.task.ticks_per_step)
-        self._steps += 1
-        seen = self._look()
-        # A contact is remembered and fades: in a single step a policy could not learn to back off.
-        self._contacts[:] = numpy.where(self._stalls > 0, numpy.where(actions[..., 0] < 0, -1.0, 1.0), 0.85 * self._contacts)
-        return self.task.reward(seen), self.task.ended(seen), self._steps >= self.task.max_steps
-
-    def _percents(self, actions: Array) -> Array:
-        """Of opening and lift of each gripper, (worlds, grippers, 2); nan: as before."""
-        fingers, lift = actions[..., 2], actions[..., 3]
-        # As far as the lift moves in a step at its speed.
-        way = 100.0 * self._interval * self.task.ticks_per_step * self._lifts.speed
-        return numpy.stack([numpy.where(fingers > 0.3, 100.0, numpy.where(fingers < -0.3, 0.0, numpy.nan)),
-                            numpy.where(lift == 0.0, numpy.nan,
-                                        numpy.clip(100.0 * self._lifts(self._joints) + way * lift, 0.0, 100.0))], axis=-1)
-
-    def _look(self) -> Situation:
-        self.worlds.poses(out=self._poses)
-        self.worlds.twists(out=self._twists)
-        self.worlds.stalls(out=self._stalls)
-        self.worlds.energy(out=self._energy)
-        self.worlds.object_poses(out=self._objects)
-        if self.task.sensor:
-            self.worlds.ranges(self.task.sensor, out=self._ranges)
-        lifts = openings = self._held
-        if self.task.gripper:
-            self.worlds.joint_positions(out=self._joints)
-            self.worlds.held(out=self._held)
-            lifts, openings = self._lifts(self._joints), 1.0 - self._fingers(self._joints)
-        return Situation(self._poses, self._twists, self._stalls, self._contacts, self._ranges, self._energy, self._steps,
-                         self._interval * self.task.ticks_per_step, self._objects, self._held, openings, lifts)
+        self._native.step(actions, self._nobody if frozen is None else frozen, self._none if idle is None else idle)
+        seen = self._seen
+        # Copies: the arrays are written again at the next step.
+        return numpy.array(self.task.reward(seen), float), numpy.array(self.task.ended(seen), bool), seen.steps >= self.task.max_steps
 
 
 class _OneWorld:
@@ -205,15 +169,25 @@ class _OneWorld:
         return picture.array()[..., :3].copy() if self.render_mode == "rgb_array" else picture
 
 
+def _action_space(episodes: Episodes, discrete: bool) -> Any:
+    """Of a robot."""
+    if discrete and episodes.task.gripper:
+        raise ValueError("discrete: found a task with grippers, expected one of motion alone")
+    return Discrete(len(DISCRETE)) if discrete else Box(-1.0, 1.0, (episodes.action_size,))
+
+
 def _remade(kind: Any, arguments: Tuple[Any, ...], options: Dict[str, Any]) -> Any:
     """What pickle calls: an environment of the same kind, which begins anew."""
     return kind(*arguments, **options)
 
 
 class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
-    """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`."""
+    """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`.
 
-    def __init__(self, task: Task, *, render_mode: Optional[str] = None) -> None:
+    discrete: as of RobotEnv.
+    """
+
+    def __init__(self, task: Task, *, discrete: bool = False, render_mode: Optional[str] = None) -> None:
         self.metadata = {"name": f"troupe_{task.name}_v0", "render_modes": ["rgb_array", "png"], "is_parallelizable": True}
         self.render_mode = render_mode
         self._episodes = Episodes(task, 1, threads=1)
@@ -222,9 +196,8 @@ class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignor
         self.agents: List[str] = []
         size = self._episodes.observation_size
         self.observation_spaces = {name: Box(-numpy.inf, numpy.inf, (size,)) for name in self.possible_agents}
-        actions = self._episodes.action_size
-        self.action_spaces = {name: Box(-1.0, 1.0, (actions,)) for name in self.possible_agents}
-        self._seeded = False
+        self.discrete = discrete
+        self.action_spaces = {name: _action_space(self._episodes, discrete) for name in self.possible_agents}
 
     @property
     def unwrapped(self) -> "ParallelEnv":
@@ -257,7 +230,7 @@ class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignor
         motion = numpy.zeros((1, len(self.possible_agents), self._episodes.action_size))
         for i, name in enumerate(self.possible_agents):
             if name in self.agents and name in actions:
-                motion[0, i] = actions[name]
+                motion[0, i] = DISCRETE[int(actions[name])] if self.discrete else actions[name]
         rewards, ended, truncated = self._episodes.step(motion)
         observations = self._by_name(self._episodes.observe()[0])
         result = (observations, self._by_name(rewards[0], float), self._by_name(ended[0], bool),
@@ -278,7 +251,7 @@ class ParallelEnv(_OneWorld, _base("pettingzoo", "ParallelEnv")):  # type: ignor
 
     def __reduce__(self) -> Any:
         # Of a process that a learner starts: there it begins its own episodes.
-        return _remade, (type(self), (self.task,), {"render_mode": self.render_mode})
+        return _remade, (type(self), (self.task,), {"discrete": self.discrete, "render_mode": self.render_mode})
 
     def close(self) -> None:
         self.agents = []
@@ -298,11 +271,9 @@ class RobotEnv(_OneWorld, _base("gymnasium", "Env")):  # type: ignore[misc]
         self.task = self._episodes.task
         if len(self._episodes.robots) != 1:
             raise ValueError(f"task: found {len(self._episodes.robots)} robots, expected 1; ParallelEnv and VectorEnv have more")
-        if discrete and self.task.gripper:
-            raise ValueError("discrete: found a task with grippers, expected one of motion alone")
         self.discrete = discrete
         self.observation_space = Box(-numpy.inf, numpy.inf, (self._episodes.observation_size,))
-        self.action_space = Discrete(len(DISCRETE)) if discrete else Box(-1.0, 1.0, (self._episodes.action_size,))
+        self.action_space = _action_space(self._episodes, discrete)
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
               ) -> Tuple[Array, Dict[str, Any]]:
@@ -342,10 +313,11 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
     The reward of a world is the mean of its robots' rewards, which infos["robot_rewards"] has, (worlds, robots); it has
     terminated when the tasks of all robots are done (infos["robot_ended"]).
     autoreset: "next_step", "same_step" or "disabled", as Gymnasium defines them; then `reset` with
-    options={"reset_mask": mask} begins single worlds.
+    options={"reset_mask": mask} begins single worlds. held_out: at starts that no training has.
     """
 
-    def __init__(self, task: Task, num_envs: int, *, autoreset: str = "next_step", threads: int = 0) -> None:
+    def __init__(self, task: Task, num_envs: int, *, autoreset: str = "next_step", threads: int = 0,
+                 held_out: bool = False) -> None:
         if autoreset not in AUTORESET:
             raise ValueError(f"autoreset: found {autoreset!r}, expected one of {', '.join(AUTORESET)}")
         self.num_envs = num_envs
@@ -354,7 +326,8 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self.closed = False
         self.autoreset = autoreset
         self.metadata = {"autoreset_mode": _autoreset_value(autoreset), "render_modes": []}
-        self._episodes = Episodes(task, num_envs, threads=threads)
+        self.held_out = held_out
+        self._episodes = Episodes(task, num_envs, threads=threads, held_out=held_out)
         self.task = self._episodes.task
         robots, size = len(self._episodes.robots), self._episodes.observation_size
         actions = self._episodes.action_size
@@ -389,7 +362,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
 
     def step(self, actions: Any) -> Tuple[Array, Array, Array, Array, Dict[str, Any]]:
         again = self._over.copy() if self.autoreset == "next_step" else numpy.zeros(self.num_envs, bool)
-        rewards, ended, truncated = self._episodes.step(actions, self._done)
+        rewards, ended, truncated = self._episodes.step(actions, self._done, again)
         self._done |= ended
         terminations = self._done.all(axis=1)
         truncations = truncated & ~terminations
@@ -416,7 +389,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         return observations, totals, terminations, truncations, infos
 
     def __reduce__(self) -> Any:
-        return _remade, (type(self), (self.task, self.num_envs), {"autoreset": self.autoreset})
+        return _remade, (type(self), (self.task, self.num_envs), {"autoreset": self.autoreset, "held_out": self.held_out})
 
     @property
     def state_hashes(self) -> Array:
@@ -431,13 +404,14 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self.closed = True
 
 
-def evaluate(task: Task, policy: Callable[[Array], Array], *, episodes: int = 16, seed: int = 0
+def evaluate(task: Task, policy: Callable[[Array], Array], *, episodes: int = 16, seed: int = 0, held_out: bool = False
              ) -> Array:
     """The score of a policy, the sum of each episode's rewards, mean over the robots: (episodes,).
 
     policy: from observations (worlds, robots, numbers) to actions (worlds, robots, 2 or 4); `task.scripted` is the reference.
+    held_out: at starts that no training has.
     """
-    env = VectorEnv(task, episodes, autoreset="disabled")
+    env = VectorEnv(task, episodes, autoreset="disabled", held_out=held_out)
     observations, _ = env.reset(seed=seed)
     scores = numpy.zeros(episodes)
     running = numpy.ones(episodes, bool)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from typing import Tuple
+from typing import List
 
 import numpy
 
+from .formulas import Formulas
 from .spaces import Array
 from .tasks import Task, worlds_folder
 
@@ -15,12 +15,6 @@ CUBE = 0.2  # m, its side
 LEVEL = 0.25  # of the lift: the height of a cube
 COLUMNS = ("holds", "opening", "lift", "goal_lift", "goal_distance", "goal_cos", "goal_sin", "way_cos", "way_sin",
            "cube_distance", "cube_cos", "cube_sin", "robot_distance", "robot_cos", "robot_sin")
-
-
-def _polar(way: Array, heading: Array) -> Tuple[Array, Array, Array]:
-    """Distance / 5 m, up to 1, cosine and sine of the bearing, of vectors in W seen at a heading."""
-    bearing = numpy.arctan2(way[..., 1], way[..., 0]) - heading
-    return numpy.minimum(numpy.hypot(way[..., 0], way[..., 1]) / 5.0, 1.0), numpy.cos(bearing), numpy.sin(bearing)
 
 
 class Manipulation(Task):
@@ -37,7 +31,6 @@ class Manipulation(Task):
 
     gripper = True
     sensor = None
-    extra = len(COLUMNS)
     max_steps = 500
     cubes = 2  # for each robot
     value = 4.0
@@ -58,96 +51,22 @@ class Manipulation(Task):
                           {"model": "stacker", "count": self.robots, "region": [-x, -y, 1.5, y], "spacing": 1.0,
                            "heading": "random", "name_prefix": "robot"}]}
 
-    def slots(self) -> Array:
+    def places(self) -> Array:
         """(cubes, 3): x, y (m) and level of each place, in the order in which they are used."""
         raise NotImplementedError
 
-    def begin(self, which, starts, generators, seen):
-        shape = (len(which), self.robots * self.cubes)
-        if not hasattr(self, "placed") or self.placed.shape != shape:
-            self.placed = numpy.zeros(shape, int)  # the place of each cube, from 1; 0: none
-            self.gripped = numpy.zeros(shape, bool)
-            self.carried = numpy.full(seen.held.shape, -1)
-        self.placed[which] = 0
-        self.gripped[which] = False
-        self.carried[which] = -1
+    def formulas(self):
+        def way(x: str, y: str) -> List[str]:
+            bearing = f"atan2({y}, {x}) - heading"
+            return [f"min(hypot({x}, {y}) / 5, 1)", f"cos({bearing})", f"sin({bearing})"]
 
-    def place_of(self, world: int, robot: int) -> Array:
-        """The place for the cube in a robot's gripper: the first free one."""
-        slots = self.slots()
-        free = sorted(set(range(len(slots))) - set(self.placed[world] - 1))
-        carriers = [other for other in range(self.robots) if self.carried[world, other] >= 0]
-        return slots[free[min(carriers.index(robot) if robot in carriers else 0, len(free) - 1)]]
-
-    def features(self, seen):
-        robots = seen.poses[..., :2]
-        cubes = seen.objects[..., :2]
-        heading = seen.poses[..., 3]
-        rows = numpy.zeros((*heading.shape, self.extra))
-        rows[..., 0] = seen.held >= 0
-        rows[..., 1], rows[..., 2] = seen.openings, seen.lifts
-        far = numpy.array([1e3, 0.0])
-        for world, robot in numpy.ndindex(heading.shape):
-            at, angle = robots[world, robot], heading[world, robot]
-            ways = cubes[world] - at
-            left = self.placed[world] == 0
-            held = seen.held[world]
-            left[held[held >= 0].astype(int)] = False
-            if held[robot] >= 0:
-                slot = self.place_of(world, robot)
-                goal, lift, direction = slot[:2] - at, slot[2] * LEVEL, 0.0  # places are approached towards the east
-            elif left.any():
-                # A cube that is nearer to another robot without one is for that robot, if there are others.
-                goal = ways[self._choice(cubes[world], robots[world], held, left, robot)]
-                lift, direction = 0.0, math.atan2(goal[1], goal[0])
-            else:
-                goal, lift, direction = numpy.zeros(2), 0.0, angle
-            others = numpy.hypot(*(ways - (goal if held[robot] < 0 else far)).T) > 1e-9
-            if held[robot] >= 0:
-                others[int(held[robot])] = False
-            distances = numpy.where(others, numpy.hypot(*ways.T), numpy.inf)
-            cube = ways[distances.argmin()] if others.any() else far
-            peers = numpy.delete(robots[world], robot, axis=0) - at
-            peer = peers[numpy.hypot(*peers.T).argmin()] if len(peers) else far
-            rows[world, robot, 3:] = (lift, *_polar(goal, angle), math.cos(direction - angle), math.sin(direction - angle),
-                                      *_polar(cube, angle), *_polar(peer, angle))
-        return rows
-
-    def _choice(self, cubes, robots, held, left, robot):
-        numbers = numpy.nonzero(left)[0]
-        for peer in range(self.robots):  # in order, so that two robots never choose the same
-            if held[peer] >= 0 or not len(numbers):
-                continue
-            best = numbers[numpy.hypot(*(cubes[numbers] - robots[peer]).T).argmin()]
-            if peer == robot:
-                return best
-            if len(numbers) > 1:
-                numbers = numbers[numbers != best]
-        return numbers[0]
-
-    def reward(self, seen):
-        reward = -0.02 * seen.stalls
-        slots = self.slots()
-        for world, robot in numpy.ndindex(seen.held.shape):
-            now, before = int(seen.held[world, robot]), int(self.carried[world, robot])
-            if now >= 0 and not self.gripped[world, now]:
-                self.gripped[world, now] = True
-                reward[world, robot] += 1.0
-            if now < 0 <= before and self.placed[world, before] == 0:
-                where = seen.objects[world, before]
-                wrong = numpy.hypot(*(slots[:, :2] - where[:2]).T) + 10.0 * (abs(slots[:, 2] * CUBE - where[2]) > 0.05)
-                wrong[self.placed[world][self.placed[world] > 0] - 1] = numpy.inf  # taken
-                if wrong.min() < 0.15:
-                    self.placed[world, before] = 1 + wrong.argmin()
-                    reward[world, robot] += self.value
-        self.carried = seen.held.astype(int)
-        return reward
-
-    def ended(self, seen):
-        # The last robot stays until the last cube is at its place.
-        left = (self.placed == 0).sum(axis=1)
-        busy = (seen.held >= 0).sum(axis=1)
-        return (seen.held < 0) & (left - busy <= 0)[:, None]
+        return Formulas(
+            define={"lift_of_level": str(LEVEL)},
+            observe=["held >= 0", "opening", "lift", "goal_level * lift_of_level", *way("to_goal_x", "to_goal_y"),
+                     "cos(way - heading)", "sin(way - heading)", *way("to_cube_x", "to_cube_y"), *way("to_peer_x", "to_peer_y")],
+            reward="gripped + value * placed - 0.02 * stalled",
+            # The last robot stays until the last cube is at its place.
+            ended="idle")
 
     def scripted(self, observations):
         part = dict(zip(COLUMNS, numpy.moveaxis(observations[..., -len(COLUMNS):], -1, 0)))
@@ -206,7 +125,7 @@ class Carrying(Manipulation):
 
     name = "carrying"
 
-    def slots(self):
+    def places(self):
         count = self.robots * self.cubes
         y = numpy.arange(count) * 0.9
         return numpy.stack([numpy.full(count, self.size[0] / 2 - 0.6), y - y.mean(), numpy.zeros(count)], axis=-1)
@@ -221,6 +140,6 @@ class Stacking(Manipulation):
     def __init__(self, robots: int = 1) -> None:
         super().__init__(robots)
 
-    def slots(self):
+    def places(self):
         towers = (numpy.arange(self.robots) - (self.robots - 1) / 2) * 1.6
         return numpy.array([[self.size[0] / 2 - 1.2, y, level] for level in range(self.cubes) for y in towers])

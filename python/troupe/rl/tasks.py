@@ -1,4 +1,5 @@
-"""Tasks: what robots are to do, as functions on arrays over all worlds and robots.
+"""Tasks: what robots are to do. Those of troupe are formulas, which C++ evaluates (formulas.py); a task of your own may be,
+or functions on arrays over all worlds and robots.
 
 Shapes begin with (worlds, robots). Units are m, rad, s. Actions are (forward, turn) in [-1, 1], of `Task.speed` and
 `Task.turn_rate`; with `Task.gripper` also (fingers, lift): above 0.3 they open, below -0.3 they close, and the lift moves up
@@ -12,6 +13,7 @@ from typing import Any, Dict, List, NamedTuple, Optional
 
 import numpy
 
+from .formulas import Formulas
 from .spaces import Array
 
 
@@ -27,7 +29,7 @@ def worlds_folder() -> pathlib.Path:
 
 
 class Situation(NamedTuple):
-    """What tasks see of all worlds after a step."""
+    """What tasks see of all worlds after a step. The arrays are reused from step to step: copy what you keep."""
 
     poses: Array  # (worlds, robots, 4): x, y, z, heading
     twists: Array  # (worlds, robots, 3): vx, vy, wz
@@ -38,15 +40,20 @@ class Situation(NamedTuple):
     steps: Array  # (worlds,): steps of the episode
     interval: float  # s, of a step
     objects: Array  # (worlds, objects, 4): x, y, z, heading of what grippers can hold
-    held: Array  # (worlds, grippers): the object that each holds, -1: none; this and the next two with `gripper`
-    openings: Array  # (worlds, grippers): of the fingers, 0 to 1
+    held: Array  # (worlds, grippers): the object that each holds, -1: none
+    openings: Array  # (worlds, grippers): of the fingers, 0 to 1; this and the next with `gripper`
     lifts: Array  # (worlds, grippers): 0 to 1
+    memory: Dict[str, Array]  # by name, (worlds, robots): of Task.formulas
+    observations: Array  # (worlds, robots, numbers), float32: ranges, motion, and those of Task.formulas
+    rewards: Array  # (worlds, robots): those of Task.formulas
+    ended: Array  # (worlds, robots) of bool: those of Task.formulas
 
 
 class Task:
     """The base of tasks: robots in the office, which see the ranges of their sonars and their own motion.
 
-    A task of your own overrides the functions that differ. It may keep arrays over all worlds from `begin` on.
+    A task of your own has other `formulas`, or overrides the functions that differ, which work on arrays over all worlds and
+    robots. It may keep such arrays from `begin` on.
     """
 
     name = "task"
@@ -55,7 +62,7 @@ class Task:
     reach = 5.0  # m: ranges are divided by it
     ticks_per_step = 2
     max_steps = 400  # then the episode is truncated
-    extra = 0  # numbers of an observation after ranges and motion
+    extra = 0  # numbers that `features` adds to an observation
     gripper = False  # each robot has one, with a lift: actions have four numbers
     sensor: Optional[str] = "ranger"  # whose ranges robots see; None: none
 
@@ -68,28 +75,42 @@ class Task:
                 "spawn": [{"model": "scout", "count": self.robots, "region": [-11, -7, 11, 7], "spacing": 0.8,
                            "heading": "random", "name_prefix": "robot"}]}
 
+    def world(self, seed: int) -> Any:
+        """The world of a start: a scenario as JSON or a troupe.World, in which the seed places what is placed by chance.
+
+        Starts may have different maps, but the same robots, joints, objects and stores.
+        """
+        return self.scenario()
+
+    def formulas(self) -> Formulas:
+        """What robots remember, observe and are rewarded for, by expressions."""
+        return Formulas()
+
+    def places(self) -> Array:
+        """(places, 3): x, y (m) and level, of cubes that robots carry (grippers.py)."""
+        return numpy.zeros((0, 3))
+
     def begin(self, which: Array, starts: List[Array], generators: List[numpy.random.Generator],
               seen: Situation) -> None:
         """A new episode in the worlds of the mask `which`. starts: the robots' poses in all starts, (robots, 4) each."""
 
     def features(self, seen: Situation) -> Array:
-        """(worlds, robots, extra): what robots know beside their ranges and motion."""
+        """(worlds, robots, extra): what robots know beside `seen.observations`."""
         return numpy.zeros((*seen.stalls.shape, 0))
 
     def observe(self, seen: Situation) -> Array:
-        """(worlds, robots, numbers), float32, about -1 to 1."""
-        motion = numpy.stack([seen.twists[..., 0] / self.speed, seen.twists[..., 2] / self.turn_rate,
-                              seen.contacts], axis=-1)
-        near = numpy.minimum(seen.ranges / self.reach, 1.0)
-        return numpy.concatenate([near, motion, self.features(seen)], axis=-1).astype(numpy.float32)
+        """(worlds, robots, numbers), float32, about -1 to 1: ranges / reach, motion, those of formulas, and features."""
+        if self.extra == 0:
+            return seen.observations
+        return numpy.concatenate([seen.observations, self.features(seen)], axis=-1, dtype=numpy.float32)
 
     def reward(self, seen: Situation) -> Array:
         """(worlds, robots), of the last step. Called once for each step."""
-        raise NotImplementedError
+        return seen.rewards
 
     def ended(self, seen: Situation) -> Array:
         """(worlds, robots): the robot's task is done."""
-        return numpy.zeros(seen.stalls.shape, bool)
+        return seen.ended
 
     def scripted(self, observations: Array) -> Array:
         """The reference: actions (worlds, robots, 2) by the observations alone. Here: away from obstacles."""
@@ -133,44 +154,27 @@ class Navigation(Task):
     """
 
     name = "navigation"
-    extra = 3
     tolerance = 0.4  # m
     far = 5.0  # m
 
+    def formulas(self):
+        return Formulas(
+            memory={"goal_x": None, "goal_y": None, "left": "distance", "arrived": "0"},
+            define={"distance": "hypot(goal_x - x, goal_y - y)", "bearing": "atan2(goal_y - y, goal_x - x) - heading",
+                    "arrives": "distance < tolerance and not arrived"},
+            observe=["min(distance / 10, 1)", "cos(bearing)", "sin(bearing)"],
+            reward="(0 if arrived else left - distance - 0.1 * stalled) + 5 * arrives",
+            ended="arrived or arrives",
+            after={"left": "distance", "arrived": "arrived or arrives"})
+
     def begin(self, which, starts, generators, seen):
-        # A task object may be used for another number of worlds, by an evaluation for instance.
-        if not hasattr(self, "goals") or self.goals.shape[:2] != seen.stalls.shape:
-            self.goals = numpy.zeros((*seen.stalls.shape, 2))
-            self.left = numpy.zeros(seen.stalls.shape)
-            self.arrived = numpy.zeros(seen.stalls.shape, bool)
         free = numpy.concatenate(starts)[:, :2]  # where robots start elsewhere there is room
         for world in numpy.nonzero(which)[0]:
-            for robot in range(self.robots):
-                ways = numpy.hypot(*(free - seen.poses[world, robot, :2]).T)
+            for robot, (x, y) in enumerate(seen.poses[world, :, :2]):
+                ways = numpy.hypot(free[:, 0] - x, free[:, 1] - y)
                 choice = numpy.nonzero((ways > 1.0) & (ways < self.far))[0]
-                self.goals[world, robot] = free[generators[world].choice(choice) if len(choice) else ways.argsort()[1]]
-        self.left[which] = self._distance(seen)[which]
-        self.arrived[which] = False
-
-    def _distance(self, seen: Situation) -> Array:
-        return numpy.hypot(*numpy.moveaxis(self.goals - seen.poses[..., :2], -1, 0))
-
-    def features(self, seen):
-        to_goal = self.goals - seen.poses[..., :2]
-        bearing = numpy.arctan2(to_goal[..., 1], to_goal[..., 0]) - seen.poses[..., 3]
-        distance = numpy.minimum(self._distance(seen) / 10.0, 1.0)
-        return numpy.stack([distance, numpy.cos(bearing), numpy.sin(bearing)], axis=-1)
-
-    def reward(self, seen):
-        distance = self._distance(seen)
-        now = (distance < self.tolerance) & ~self.arrived
-        reward = numpy.where(self.arrived, 0.0, self.left - distance - 0.1 * seen.stalls) + 5.0 * now
-        self.left = distance
-        self.arrived = self.arrived | now
-        return reward
-
-    def ended(self, seen):
-        return self.arrived.copy()
+                goal = choice[generators[world].integers(len(choice))] if len(choice) else ways.argsort()[1]
+                seen.memory["goal_x"][world, robot], seen.memory["goal_y"][world, robot] = free[goal]
 
     def scripted(self, observations):
         bearing = numpy.arctan2(observations[..., -1], observations[..., -2])
@@ -185,40 +189,15 @@ class Coverage(Task):
     """
 
     name = "coverage"
-    extra = 10
     size = (24, 16)  # m, of the office
 
-    def begin(self, which, starts, generators, seen):
-        if not hasattr(self, "visited") or len(self.visited) != len(which):
-            self.visited = numpy.zeros((len(which), *self.size), bool)
-        self.visited[which] = False
-        self._visit(seen)
-
-    def _cells(self, points: Array):
-        half = numpy.array(self.size) / 2
-        cells = numpy.floor(points + half).astype(int)
-        return tuple(numpy.moveaxis(numpy.clip(cells, 0, numpy.array(self.size) - 1), -1, 0))
-
-    def _visit(self, seen: Situation) -> Array:
-        columns, rows = self._cells(seen.poses[..., :2])
-        fresh = numpy.zeros(seen.stalls.shape)
-        worlds = numpy.arange(len(fresh))
-        for robot in range(fresh.shape[1]):  # in order: the first of several in a cell counts
-            fresh[:, robot] = ~self.visited[worlds, columns[:, robot], rows[:, robot]]
-            self.visited[worlds, columns[:, robot], rows[:, robot]] = True
-        return fresh
-
-    def features(self, seen):
-        directions = numpy.arange(8) * (numpy.pi / 4)
-        angles = seen.poses[..., 3, None] + directions
-        points = seen.poses[..., None, :2] + 1.5 * numpy.stack([numpy.cos(angles), numpy.sin(angles)], axis=-1)
-        columns, rows = self._cells(points)
-        worlds = numpy.arange(len(self.visited))[:, None, None]
-        heading = seen.poses[..., 3, None]
-        return numpy.concatenate([self.visited[worlds, columns, rows], numpy.cos(heading), numpy.sin(heading)], axis=-1)
-
-    def reward(self, seen):
-        return self._visit(seen) - 0.1 * seen.stalls
+    def formulas(self):
+        ahead = [f"heading + {number} * {numpy.pi / 4}" for number in range(8)]
+        return Formulas(
+            memory={"first": "visit(x, y)"}, grid=self.size,
+            observe=[*(f"visited(x + 1.5 * cos({angle}), y + 1.5 * sin({angle}))" for angle in ahead),
+                     "cos(heading)", "sin(heading)"],
+            reward="visit(x, y) - 0.1 * stalled")
 
     def scripted(self, observations):
         room = observations[..., :SONARS]  # in the same directions
@@ -238,7 +217,6 @@ class Flocking(Task):
     """
 
     name = "flocking"
-    extra = 6
     radius = 4.0  # m
 
     def scenario(self):
@@ -249,30 +227,20 @@ class Flocking(Task):
     def __init__(self, robots: int = 6) -> None:
         super().__init__(robots)
 
-    def features(self, seen):
-        offsets = seen.poses[:, None, :, :2] - seen.poses[:, :, None, :2]  # from robot i to robot j
-        distances = numpy.hypot(offsets[..., 0], offsets[..., 1])
-        others = ~numpy.eye(self.robots, dtype=bool)
-        near = (distances < self.radius) & others
-        count = numpy.maximum(near.sum(axis=-1), 1)
-        middle = (offsets * near[..., None]).sum(axis=2) / count[..., None]
-        cos, sin = numpy.cos(seen.poses[..., 3]), numpy.sin(seen.poses[..., 3])
-        mean_cos = (near * cos[:, None, :]).sum(axis=-1) / count
-        mean_sin = (near * sin[:, None, :]).sum(axis=-1) / count
-
-        def turned(x, y):
-            return cos * x + sin * y, cos * y - sin * x
-
-        nearest = numpy.where(others, distances, numpy.inf).min(axis=-1)
-        return numpy.stack([*(part / self.radius for part in turned(middle[..., 0], middle[..., 1])),
-                            *turned(mean_cos, mean_sin), numpy.minimum(nearest / self.radius, 1.0), near.any(axis=-1)],
-                           axis=-1)
-
-    def reward(self, seen):
-        features = self.features(seen)
-        along = seen.twists[..., 0] * features[..., 2]
-        alone = features[..., 5] < 0.5
-        return along - 0.2 * (features[..., 4] * self.radius < 0.6) - 0.2 * alone - 0.1 * seen.stalls
+    def formulas(self):
+        distance = "hypot(other.x - x, other.y - y)"
+        near = f"for other in others if {distance} < radius"
+        return Formulas(
+            define={"count": f"max(sum(1 {near}), 1)", "alone": f"not any(1 {near})",
+                    "to_x": f"sum(other.x - x {near}) / count", "to_y": f"sum(other.y - y {near}) / count",
+                    "mean_cos": f"sum(cos(other.heading) {near}) / count",
+                    "mean_sin": f"sum(sin(other.heading) {near}) / count",
+                    "ahead": "cos(heading) * mean_cos + sin(heading) * mean_sin",
+                    "nearest": f"min(min({distance} for other in others), radius)"},
+            observe=["(cos(heading) * to_x + sin(heading) * to_y) / radius",
+                     "(cos(heading) * to_y - sin(heading) * to_x) / radius", "ahead",
+                     "cos(heading) * mean_sin - sin(heading) * mean_cos", "nearest / radius", "not alone"],
+            reward="vx * ahead - 0.2 * (nearest < 0.6) - 0.2 * alone - 0.1 * stalled")
 
     def scripted(self, observations):
         x, y, cos, sin, nearest, some = numpy.moveaxis(observations[..., -6:], -1, 0)
@@ -290,9 +258,9 @@ class Foraging(Task):
     """
 
     name = "foraging"
-    extra = 8
     max_steps = 600
-    places = numpy.array([[-5.0, 3.0], [5.0, 3.0]])  # m: the mine, the depot
+    mine = (-5.0, 3.0)  # m
+    depot = (5.0, 3.0)  # m
     radius = 0.8  # m
     capacity = 6000.0  # J
     charger = ((-4.2, 4.2), -4.1)  # m: its middle line, x from and to, and y
@@ -306,7 +274,7 @@ class Foraging(Task):
                  model("screen", [0, 1.5, 0], [0.1, 2, 1]), model("crate", [-3, -1, 20], [0.8, 0.8, 0.6]),
                  model("chest", [3, 0, 0], [0.8, 0.8, 0.6])]
         places = [model(name, [x, y, 0], [2 * self.radius, 2 * self.radius, 0.01], color=color, obstacle_return=0)
-                  for name, color, (x, y) in zip(("mine", "depot"), ("green", "red"), self.places)]
+                  for name, color, (x, y) in zip(("mine", "depot"), ("green", "red"), (self.mine, self.depot))]
         charger = model("charger", [0, -4.1, 0], [9, 0.8, 0.02], color="light green", obstacle_return=0, joules=-1,
                         give_watts=400 * self.robots)
         return {"name": self.name, "include": [str(worlds_folder() / "include/robots.inc")], "seed": 1,
@@ -316,42 +284,20 @@ class Foraging(Task):
                 "override": [{"match": {"type": "scout"}, "properties": {
                     "joules": self.capacity, "watts": 5, "mass": 8, "take_watts": 400}}]}
 
-    def begin(self, which, starts, generators, seen):
-        if not hasattr(self, "carries") or self.carries.shape != seen.stalls.shape:
-            self.carries = numpy.zeros(seen.stalls.shape, bool)
-            self.empty = numpy.zeros(seen.stalls.shape, bool)
-        self.carries[which] = False
-        self.empty[which] = False
+    def formulas(self):
+        def way(x: str, y: str) -> List[str]:
+            bearing = f"atan2({y}, {x}) - heading"
+            return [f"min(hypot({x}, {y}) / 10, 1)", f"cos({bearing})", f"sin({bearing})"]
 
-    def _energy(self, seen: Situation) -> Array:
-        return seen.energy[:, -self.robots:]  # the charger's store is before those of the robots
-
-    def _to_target(self, seen: Situation) -> Array:
-        return self.places[self.carries.astype(int)] - seen.poses[..., :2]
-
-    def features(self, seen):
-        (left, right), y = self.charger
-        x = numpy.clip(seen.poses[..., 0], left, right)
-        to_charger = numpy.stack([x, numpy.full_like(x, y)], axis=-1) - seen.poses[..., :2]
-        columns = [self.carries, self._energy(seen) / self.capacity]
-        for way in (self._to_target(seen), to_charger):
-            bearing = numpy.arctan2(way[..., 1], way[..., 0]) - seen.poses[..., 3]
-            distance = numpy.hypot(way[..., 0], way[..., 1])
-            columns += [numpy.minimum(distance / 10.0, 1.0), numpy.cos(bearing), numpy.sin(bearing)]
-        return numpy.stack(columns, axis=-1)
-
-    def reward(self, seen):
-        way = self._to_target(seen)
-        there = (numpy.hypot(way[..., 0], way[..., 1]) < self.radius) & ~self.empty
-        reward = numpy.where(there, numpy.where(self.carries, 3.0, 1.0), 0.0) - 0.1 * seen.stalls * ~self.empty
-        self.carries ^= there
-        empty = self._energy(seen) <= 0.0
-        reward -= 5.0 * (empty & ~self.empty)
-        self.empty |= empty
-        return reward
-
-    def ended(self, seen):
-        return self.empty.copy()
+        return Formulas(
+            memory={"carries": "0", "empty": "0"},
+            define={"to_x": "(depot[0] if carries else mine[0]) - x", "to_y": "(depot[1] if carries else mine[1]) - y",
+                    "there": "hypot(to_x, to_y) < radius and not empty", "runs_empty": "energy <= 0 and not empty",
+                    "charge_x": "clip(x, charger[0][0], charger[0][1]) - x", "charge_y": "charger[1] - y"},
+            observe=["carries", "energy / capacity", *way("to_x", "to_y"), *way("charge_x", "charge_y")],
+            reward="(3 if carries else 1) * there - 0.1 * stalled * (not empty) - 5 * runs_empty",
+            ended="empty or runs_empty",
+            after={"carries": "carries != there", "empty": "empty or runs_empty"})
 
     def scripted(self, observations):
         energy, away = observations[..., -7], 10.0 * observations[..., -3]
