@@ -80,6 +80,7 @@ export interface FileEdits {
   // The name of the entry that makes what is called `name`: a door, of its leaf.
   ownerOf(name: string): string;
   selection(): readonly string[];
+  selectOnly(name: string): void;  // '': nothing
   toggle(name: string): void;
   selectInside(rect: DOMRect): void;
   // Poses beside what is near, of an entity and of a new model.
@@ -404,7 +405,9 @@ export class Editing {
     else if (this.tool === 'measure') this.measuring.click(x, y);
     else {
       const run = this.host.run();
-      this.host.select(run ? this.pick(run, x, y) : null);
+      const entity = run ? this.pick(run, x, y) : null;
+      this.host.select(entity);
+      this.file?.selectOnly(run && entity ? nameOf(run.world, entity) : '');
     }
   }
 

@@ -117,6 +117,7 @@ export class FileEditor {
       deleteSelected: () => this.deleteSelected(),
       ownerOf: name => this.ownerOf(name),
       selection: () => this.selection.names,
+      selectOnly: name => this.selectOnly(name),
       toggle: name => this.toggle(name),
       selectInside: rect => this.selectInside(rect),
       beside: (name, pose) => this.grid.besideOthers(name, pose),
@@ -166,6 +167,12 @@ export class FileEditor {
     const names = [...this.selection.names];
     this.host.selectName(this.selected, false);
     this.selection.set(names);
+    this.showSelection();
+  }
+
+  private selectOnly(name: string): void {
+    if (name === this.selected && !this.selection.isSeveral) return;
+    this.selection.set([name]);
     this.showSelection();
   }
 

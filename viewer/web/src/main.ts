@@ -261,6 +261,7 @@ class Viewer {
       selectName: (name, center) => {
         const entity = this.run ? findEntity(this.run.world, name) : null;
         this.select(entity);
+        if (!entity) this.wantedName = name;  // the world that has it is on its way
         if (entity && center) this.scene.centerOn(entity);
         this.file?.select(name);
       },
