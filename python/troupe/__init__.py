@@ -12,7 +12,7 @@ radians; x points forward, y to the left, z up. docs/python.md is a tour.
 
 from typing import TYPE_CHECKING, Any, List
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 if TYPE_CHECKING:
     # "as": what is named anew is exported, for type checkers.

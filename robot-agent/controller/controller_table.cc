@@ -46,7 +46,8 @@ constexpr ParameterHelp kExpandParameters[] = {
     kSpeedHelp,
     {"turn_gain", "number", "1/s", "1", 0.0, 100.0, "Turn rate for each radian to the direction with most room"},
     {"clear_distance", "number", "m", "0.6", 0.0, 1000.0, "The front is clear if no obstacle there is nearer"},
-    {"clear_angle", "number", "rad", "0.5", 0.0, kPi, "The front is within this angle of the heading"}};
+    {"clear_angle", "number", "rad", "0.5", 0.0, kPi, "The front is within this angle of the heading"},
+    {"clearance", "number", "m", "0", 0.0, 100.0, "It keeps a circle of this radius about its origin clear; 0: none"}};
 constexpr ParameterHelp kFasrParameters[] = {kSourceHelp,      kSinkHelp,     kReachHelp,     kLoadTimeHelp,
                                              kSpeedHelp,       kTurnRateHelp, kClearanceHelp, kChargerHelp,
                                              kChargeBelowHelp, kChargeToHelp};

@@ -1,4 +1,5 @@
 // expand: turns to the side with the most free space and drives there, so that many robots spread out.
+#include <algorithm>
 #include <cmath>
 
 #include "robot-agent/controller/built_in.h"
@@ -12,12 +13,14 @@ namespace {
 
 constexpr double kEscapeTime = 0.5;       // s, of one attempt to escape after a stall
 constexpr double kEscapePatience = 10.0;  // s at rest, before a recovery
+constexpr double kStopWay = 0.15;         // m, to where the circle that it keeps clear would meet an obstacle
 
 struct ExpandParameters {
   double speed = 0.4;           // m/s, when the front is clear
   double turn_gain = 1.0;       // 1/s: turn rate for each radian between the heading and the free space
   double clear_distance = 0.6;  // m: the front is clear without a nearer hit
   double clear_angle = 0.5;     // rad: bearings within this are the front
+  double clearance = 0.0;       // m: it keeps a circle of this radius about its origin clear; 0: none
 };
 
 Result<ExpandParameters> ParseExpand(const std::string& text) {
@@ -27,6 +30,7 @@ Result<ExpandParameters> ParseExpand(const std::string& text) {
   p.turn_gain = reader.ReadNumber("turn_gain", {0.0, 100.0}).value_or(p.turn_gain);
   p.clear_distance = reader.ReadNumber("clear_distance", {0.0, 1000.0}).value_or(p.clear_distance);
   p.clear_angle = reader.ReadNumber("clear_angle", {0.0, kPi}).value_or(p.clear_angle);
+  p.clearance = reader.ReadNumber("clearance", {0.0, 100.0}).value_or(p.clearance);
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;
 }
@@ -38,9 +42,17 @@ class ExpandController final : public Controller {
         drive_(info.robot->drive),
         recovery_(drive_, {parameters.speed, parameters.turn_gain}),
         ranger_(ranger),
-        rays_(PlacedRaysOf(info, ranger)) {}
+        rays_(PlacedRaysOf(info, ranger)) {
+    // Between the rays of a sonar ring there is room for legs of tables: a scanner sees them.
+    if (parameters.clearance <= 0.0) return;
+    scanner_ = FindScanner(info).value_or(ranger);
+    scan_ = PlacedRaysOf(info, *scanner_);
+  }
 
-  std::vector<std::size_t> Subscriptions() const override { return {ranger_}; }
+  std::vector<std::size_t> Subscriptions() const override {
+    if (scanner_ && *scanner_ != ranger_) return {std::min(ranger_, *scanner_), std::max(ranger_, *scanner_)};
+    return {ranger_};
+  }
 
   Command Update(const Observation& observation) override {
     const SensorReading& reading = observation.sensors[ranger_];
@@ -56,12 +68,17 @@ class ExpandController final : public Controller {
       free_space += range * direction;
       if (std::abs(ray.bearing) < parameters_.clear_angle && range < parameters_.clear_distance) clear = false;
     }
+    const Room room = LookAround(observation);
+    clear = clear && room.ahead;
     const double bearing = Atan2(free_space.y(), free_space.x());
     if (observation.stalled) {
       escape_ = PickEscape(observation);
       escape_until_ = observation.time + kEscapeTime;
     }
-    if (observation.time < escape_until_) return Drive(escape_.speed, escape_.turn_rate);
+    if (observation.time < escape_until_) {
+      const bool is_free = escape_.speed > 0.0 ? room.ahead : room.behind;
+      return Drive(is_free ? escape_.speed : 0.0, escape_.turn_rate);
+    }
     return Drive(clear ? parameters_.speed : 0.0, parameters_.turn_gain * bearing);
   }
 
@@ -72,6 +89,27 @@ class ExpandController final : public Controller {
     double speed = 0.0;      // m/s
     double turn_rate = 0.0;  // rad/s
   };
+
+  // Whether the circle about the body can move on before it meets an obstacle; it can where no ray looks.
+  struct Room {
+    bool ahead = true;
+    bool behind = true;
+  };
+
+  Room LookAround(const Observation& observation) const {
+    Room room;
+    if (!scanner_ || observation.sensors[*scanner_].empty()) return room;
+    const double radius = parameters_.clearance;
+    for (const PlacedRay& placed : **scan_) {
+      const double range = RangeOf(observation.sensors[*scanner_], placed.ray);
+      if (range >= placed.ray.max_range) continue;
+      const Vec2 p_R = placed.p_RO + range * placed.direction;
+      if (std::abs(p_R.y()) >= radius) continue;
+      const double way = std::abs(p_R.x()) - std::sqrt(radius * radius - p_R.y() * p_R.y());
+      if (way < kStopWay) (p_R.x() > 0.0 ? room.ahead : room.behind) = false;
+    }
+    return room;
+  }
 
   // In a crowd a robot with the same rule may block any single way out for ever, so the choice is random.
   Escape PickEscape(const Observation& observation) const {
@@ -100,6 +138,8 @@ class ExpandController final : public Controller {
   Recovery recovery_;
   std::size_t ranger_;
   Shared<std::vector<PlacedRay>> rays_;
+  std::optional<std::size_t> scanner_;                 // with a circle to keep clear
+  std::optional<Shared<std::vector<PlacedRay>>> scan_;  // its rays
   Escape escape_;
   double escape_until_ = 0.0;  // s, simulated
 };

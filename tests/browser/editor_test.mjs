@@ -489,6 +489,78 @@ async function drawsABitmap() {
   assert.ok(Math.abs(Number(of('stopped')[2]) - 0.85) < 0.08, `at the wall: ${of('stopped')}`);
 }
 
+// Several are selected by a rectangle or with Shift, and moved, turned, copied and deleted as one edit.
+async function editsSeveral() {
+  cpSync(`${source}/worlds/include`, path('include'), {recursive: true});
+  writeFileSync(path('several.world'), ['a', 'b', 'c', 'far'].map(
+    (name, i) => `model ( name "${name}" pose [${i === 3 ? '4 -4' : `${i} 0`} 0 0] size [0.3 0.3 0.3] )\n`).join(''));
+  const editor = await edit('several.world');
+  const {page} = editor;
+  const poseOf = async name => (await page.evaluate(n => window.troupe.edit('entity', {name: n}), name)).pose.map(value => Math.round(value * 100) / 100);
+  await drag(page, await ground(page, -0.6, -0.6), await ground(page, 1.4, 0.6), ['Shift']);
+  await page.locator('#file-several:has-text("2 selected")').waitFor();
+  const place = await placeOf(page, 'c');
+  await page.keyboard.down('Shift');
+  await page.mouse.click(place.x, place.y);
+  await page.keyboard.up('Shift');
+  await page.locator('#file-several:has-text("3 selected")').waitFor();
+  await page.screenshot({path: path('several.png')});
+
+  await page.click('#move');
+  await drag(page, await ground(page, 1, 0), await ground(page, 1, 2));
+  await fileIs(page, 'all are moved', now => now.undo === 'the move of 3 models');
+  assert.deepEqual([await poseOf('a'), await poseOf('b'), await poseOf('c')], [[0, 2, 0, 0], [1, 2, 0, 0], [2, 2, 0, 0]]);
+  // They turn about the one that is dragged.
+  await drag(page, await ground(page, 1, 2), await ground(page, 1, 3), ['Shift']);
+  await until('they have turned', async () => (await poseOf('a'))[1] === 1);
+  assert.deepEqual([await poseOf('a'), await poseOf('b'), await poseOf('c')], [[1, 1, 0, 1.57], [1, 2, 0, 1.57], [1, 3, 0, 1.57]]);
+  await page.click('#undo');
+  await fileIs(page, 'one step back is before all of them', now => now.redo === 'the move of 3 models');
+  await page.keyboard.press('Escape');
+
+  await page.keyboard.press('Control+c');
+  const at = await ground(page, 1, -2);
+  await page.mouse.move(at.x, at.y);
+  await page.keyboard.press('Control+v');
+  await fileIs(page, 'there are copies', now => ['a1', 'b1', 'c1'].every(name => now.entities.some(each => each.name === name)));
+  assert.deepEqual([await poseOf('a1'), await poseOf('c1')], [[0, -2, 0, 0], [2, -2, 0, 0]]);
+  await page.locator('#file-several:has-text("3 selected")').waitFor();
+  await page.keyboard.press('Delete');
+  await fileIs(page, 'the copies are gone', now => now.undo === 'the deletion of 3 models' && now.entities.length === 4);
+  await close(editor);
+}
+
+// Walls end on other walls and at right angles, models stand beside them, and a scenario leaves out what its world has.
+async function snaps() {
+  cpSync(`${source}/worlds/include`, path('include'), {recursive: true});
+  writeFileSync(path('snap.world'), 'include "include/rooms.inc"\nmodel ( name "wall" pose [0 0 0 0] size [4 0.1 1] )\n');
+  const editor = await edit('snap.world');
+  const {page} = editor;
+  await page.click('#file-wall');
+  // From near the end of the wall, not quite upwards.
+  await drag(page, await ground(page, 1.9, 0.06), await ground(page, 2.0, 2.02));
+  await fileIs(page, 'there is a wall', now => now.entities.some(each => each.name === 'wall1'));
+  await page.keyboard.press('Escape');
+  await page.click('.palette-row[data-model=desk]');
+  const at = await ground(page, -1, 0.47);
+  await page.mouse.move(at.x, at.y);
+  await page.mouse.click(at.x, at.y);
+  await fileIs(page, 'there is a desk', now => now.entities.some(each => each.name === 'desk1'));
+  await save(page);
+  const text = read('snap.world');
+  assert.match(text, /name "wall1" pose \[1\.95 1 0 90\] size \[2 0\.1 1\]/, text);
+  assert.match(text, /name "desk1" pose \[-1 0\.4 0 0\]/, text);
+  await close(editor);
+
+  writeFileSync(path('less.json'), '{\n  "world": "snap.world"\n}\n');
+  const scenario = await edit('less.json');
+  await scenario.page.click('.entity:has-text("desk1")');
+  await scenario.page.click('#file-delete');
+  await fileIs(scenario.page, 'the desk is left out', now => !now.entities.some(each => each.name === 'desk1'));
+  assert.deepEqual((await documentOf(scenario.page)).members.without, ['desk1']);
+  await close(scenario);
+}
+
 async function editsAScenario() {
   mkdirSync(path('scenarios'), {recursive: true});
   const original = read('scenarios/demo.json');
@@ -502,20 +574,30 @@ async function editsAScenario() {
   await save(page);
   assert.equal(changedLines(original, read('scenarios/demo.json')).length, 1);
 
-  await page.click('#file-region');
+  // An area is an entry of a list, whose form opens.
+  await page.click('#file-area');
   await drag(page, await ground(page, -1.5, -0.8), await ground(page, 1.5, 0.8));
-  await fileIs(page, 'there is a spawn region', now => now.regions.length === 1);
-  await page.locator('#region-list select').selectOption('cart');
-  await fileIs(page, 'of carts', now => now.regions[0].model === 'cart');
+  await page.keyboard.press('Escape');
+  await fileIs(page, 'there is a spawn rule', now => now.members.spawn?.length === 1);
+  const field = key => page.locator(`#file-lists [data-path="spawn.0.${key}"]`);
+  await field('model').selectOption('cart');
+  await fileIs(page, 'of carts', now => now.members.spawn[0].model === 'cart');
   // A number that is being typed is not replaced when another program changes the rule.
-  const count = page.locator('#region-list input');
-  await count.fill('3');
-  const change = {type: 'edit', id: 1, op: 'set_region', index: 0, rule: {model: 'scout'}};
+  await field('count').fill('3');
+  const change = {type: 'edit', id: 1, op: 'set_value', path: ['spawn', 0, 'model'], value: 'scout'};
   assert.equal((await ask(new URL(editor.url), JSON.stringify(change))).done, true);
-  await fileIs(page, 'of scouts', now => now.regions[0].model === 'scout');
-  assert.equal(await count.inputValue(), '3');
-  await count.press('Enter');
-  await fileIs(page, 'of three of them', now => now.regions[0].count === 3 && now.entities.some(each => each.name === 'scout2'));
+  await fileIs(page, 'of scouts', now => now.members.spawn[0].model === 'scout');
+  assert.equal(await field('count').inputValue(), '3');
+  await field('count').press('Enter');
+  await fileIs(page, 'of three of them', now => now.members.spawn[0].count === 3 && now.entities.some(each => each.name === 'scout2'));
+  // What the file refuses stays in its field, with the reason, until Escape.
+  await field('count').fill('-7');
+  await field('count').press('Enter');
+  await page.locator('#file-lists .property-problem').waitFor();
+  assert.equal(await field('count').inputValue(), '-7');
+  assert.equal((await documentOf(page)).members.spawn[0].count, 3);
+  await field('count').press('Escape');
+  await until('the field has the value of the file', async () => await field('count').inputValue() === '3');
   await save(page);
   assert.match(await check('scenarios/demo.json'), /robots: 11/);
 
@@ -598,7 +680,7 @@ async function refusesStrangers() {
     ['set_model', {name: 'x', base: 'model', blocks: [{outline: [[0, 0], [1, 1], [1, 0], [0, 1]], z: [0, 1]}]}],
     ['set_model', {name: 'x ( ) define', base: 'model'}], ['set_model', {name: 'x', base: 'nothing'}],
     ['add_model', {name: 'x', pose: [0, 0, 0, 0], blocks: 7}], ['change_part', {model: 'table', part: [99], action: 'remove'}],
-    ['set_region', {rule: {}}], ['delete', {name: 'nobody'}], ['delete', {}], ['test', {model: 'nothing'}],
+    ['set_value', {path: []}], ['together', {edits: [{op: 'save'}]}], ['delete', {name: 'nobody'}], ['delete', {}], ['test', {model: 'nothing'}],
   ]) {
     const reply = await ask(address, request(op, more));
     assert.equal(reply.done, false, `${op} ${JSON.stringify(more)}: ${JSON.stringify(reply)}`);
@@ -608,6 +690,6 @@ async function refusesStrangers() {
   await close(open);
 }
 
-await pages.runAll([movesATableOfAWorld, copiesATable, drawsWaypoints, drawsAModel, buildsAGripper, drawsABitmap, editsAScenario, refusesStrangers], path, () => {
+await pages.runAll([movesATableOfAWorld, copiesATable, drawsWaypoints, drawsAModel, buildsAGripper, drawsABitmap, editsSeveral, snaps, editsAScenario, refusesStrangers], path, () => {
   assert.ok(!readdirSync(files).some(name => name.startsWith('.')), 'no temporary file is left');
 });

@@ -175,9 +175,10 @@ def check_walks(root):
 
 
 def check_versions(root):
-    """CITATION.cff and the changelog know the version of CMakeLists.txt."""
+    """CITATION.cff, the changelog and the Python package know the version of CMakeLists.txt."""
     version = re.search(r"project\(troupe VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text()).group(1)
-    expected = {"CITATION.cff": rf"^version: {re.escape(version)}$", "CHANGELOG.md": rf"^## {re.escape(version)}\b"}
+    expected = {"CITATION.cff": rf"^version: {re.escape(version)}$", "CHANGELOG.md": rf"^## {re.escape(version)}\b",
+                "python/troupe/__init__.py": rf'^__version__ = "{re.escape(version)}"$'}
     return [f"{file}: expected the version {version}" for file, line in expected.items()
             if not re.search(line, (root / file).read_text(), re.MULTILINE)]
 

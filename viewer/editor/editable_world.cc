@@ -21,8 +21,8 @@ namespace {
 
 constexpr double kShelfGap = 0.6;  // m
 
-bool IsBody(const std::string& type) {
-  return type == "model" || type == "position";
+bool HasOwnPlace(const std::string& type) {
+  return type == "model" || type == "position" || type == "door" || type == "lift";
 }
 
 Property NumbersProperty(const std::string& name, const std::vector<double>& numbers, const SourceLocation& where) {
@@ -52,7 +52,7 @@ void AddShelf(WorldTree& tree, const std::string& path, std::set<const WorldNode
   double x = 0.0;
   for (const auto& [where, name] : defines) {
     Result<WorldNode> made = Instantiate(tree, name, where);
-    if (!made.ok() || !IsBody(made.value().type)) continue;
+    if (!made.ok() || !HasOwnPlace(made.value().type)) continue;
     WorldNode node = std::move(made).value();
     const double width = WidthOf(node, 0.4 * metre);
     node.Set({"name", Value{name, where}, where});
@@ -233,7 +233,7 @@ std::vector<PaletteModel> PaletteOf(const WorldTree& tree) {
   std::vector<PaletteModel> found;
   for (const auto& [name, define] : tree.defines) {
     const Result<WorldNode> node = Instantiate(tree, name, {});
-    if (node.ok() && IsBody(node.value().type)) found.push_back({name, node.value().type, define.where});
+    if (node.ok() && HasOwnPlace(node.value().type)) found.push_back({name, node.value().type, define.where});
   }
   for (const char* type : {"model", "position"}) found.push_back({type, type, {}});
   return found;
@@ -252,7 +252,7 @@ WorldTree WithoutModels(const WorldTree& tree) {
 Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const NamedFiles& files) {
   Result<WorldNode> node = Instantiate(tree, model, {});
   if (!node.ok()) return node.error();
-  if (!IsBody(node.value().type)) return Error{{}, "found " + Quoted(model) + ", expected a model or a robot"};
+  if (!HasOwnPlace(node.value().type)) return Error{{}, "found " + Quoted(model) + ", expected a model or a robot"};
   WorldTree alone = WithoutModels(tree);
   WorldNode made = std::move(node).value();
   made.Set({"name", Value{model, {}}, {}});

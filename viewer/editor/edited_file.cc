@@ -126,7 +126,12 @@ std::size_t EditedFile::BytesOf(const State& state, const State* before) const {
 
 // Undone states are dropped. When the oldest is dropped, the next one owns the pixels that it shared.
 void EditedFile::Change(std::string text, PictureVersions versions, std::string label) {
-  if (text == states_[at_].text && versions == states_[at_].versions) return;
+  if (text == Now().text && versions == Now().versions) return;
+  if (joined_) {
+    joined_->text = std::move(text);
+    joined_->versions = std::move(versions);
+    return;
+  }
   states_.resize(at_ + 1);
   states_.push_back({std::move(text), std::move(versions), std::move(label), 0});
   states_.back().bytes = BytesOf(states_.back(), &states_[at_]);
@@ -139,6 +144,12 @@ void EditedFile::Change(std::string text, PictureVersions versions, std::string 
     bytes += states_[0].bytes;
   }
   at_ = states_.size() - 1;
+}
+
+void EditedFile::EndJoined(std::string label) {
+  State state = std::move(*joined_);
+  joined_.reset();
+  Change(std::move(state.text), std::move(state.versions), std::move(label));
 }
 
 bool EditedFile::is_modified(const std::set<std::string>& named) const {

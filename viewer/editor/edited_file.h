@@ -71,20 +71,24 @@ class EditedFile {
   static Result<EditedFile> Open(const std::string& path, const std::string& initial);
 
   const std::string& path() const { return path_; }
-  const std::string& text() const { return states_[at_].text; }
+  const std::string& text() const { return Now().text; }
   // `named`: the images that the text names; others are not written.
   bool is_modified(const std::set<std::string>& named) const;
 
   // The images that are edited. To open one or to create it is no edit.
   EditedPictures& pictures() { return pictures_; }
   const EditedPictures& pictures() const { return pictures_; }
-  const PictureVersions& versions() const { return states_[at_].versions; }
+  const PictureVersions& versions() const { return Now().versions; }
   // As edited; null: the file on disk counts, or there is none.
   PicturePointer Picture(const std::string& path) const { return pictures_.Find(versions(), path); }
 
   // `label`: what the edit does, "the move of r0".
   void Change(std::string text, std::string label) { Change(std::move(text), versions(), std::move(label)); }
   void Change(std::string text, PictureVersions versions, std::string label);
+  // The changes from here on are one edit, which EndJoined makes; CancelJoined returns to the state before them.
+  void BeginJoined() { joined_ = states_[at_]; }
+  void EndJoined(std::string label);
+  void CancelJoined() { joined_.reset(); }
   // The label of the edit that would be undone or redone; nothing: there is none.
   std::optional<std::string> undo_label() const;
   std::optional<std::string> redo_label() const;
@@ -109,6 +113,7 @@ class EditedFile {
   EditedFile(std::string path, std::string text, std::optional<std::string> on_disk)
       : path_(std::move(path)), on_disk_(std::move(on_disk)), states_{{std::move(text), {}, "", 0}} {}
 
+  const State& Now() const { return joined_ ? *joined_ : states_[at_]; }
   std::size_t BytesOf(const State& state, const State* before) const;
 
   std::string path_;
@@ -116,6 +121,7 @@ class EditedFile {
   EditedPictures pictures_;
   std::vector<State> states_;
   std::size_t at_ = 0;
+  std::optional<State> joined_;  // of several changes that are not an edit yet
 };
 
 }  // namespace troupe

@@ -18,10 +18,6 @@
 namespace troupe {
 namespace {
 
-std::string PlaceText(const SourceLocation& where) {
-  return fmt::format("{}:{}", where.file, where.line);
-}
-
 void AddFoldersOf(const std::vector<std::string>& files, AllowedPaths& allowed) {
   for (const std::string& file : files) allowed.Add(DirectoryOf(file));
 }
@@ -110,14 +106,20 @@ Result<const EditedEntity*> Editor::FindEntity(const std::string& name) const {
   return entity;
 }
 
+Error Editor::Elsewhere(const EditedEntity& entity, const std::string& what) {
+  return {{}, fmt::format("{} is {} at {}:{}; edit it there", Quoted(entity.name), what, entity.where.file, entity.where.line)};
+}
+
 // A model may be written in an include file, made by a spawn rule or be a part of a define: the error says where it can
 // be edited.
 Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
-  const auto elsewhere = [&](const std::string& what) {
-    return Error{{}, fmt::format("{} is {} at {}; edit it there", Quoted(entity.name), what, PlaceText(entity.where))};
-  };
-  if (entity.where.file != path()) return elsewhere("in another file,");
+  const auto elsewhere = [&](const std::string& what) { return Elsewhere(entity, what); };
+  if (entity.where.file != path()) {
+    if (IsRobotOfWorld(entity)) return PlaceOfRobotOfWorld(entity);
+    return elsewhere("in another file,");
+  }
   Place place;
+  place.text = text();
   if (kind_ == EditedKind::kScenario) {
     Result<Place> scenario = PlaceOfScenario();
     if (!scenario.ok()) return scenario.error();
@@ -140,15 +142,6 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
   if (chain.empty()) return elsewhere("not found,");
   if (chain.front()->kind == StatementKind::kDefine && !entity.on_shelf) return elsewhere("a part of a model");
   place.statement = chain.back();
-  return place;
-}
-
-Result<Editor::Place> Editor::PlaceOfScenario() const {
-  Result<JsonTree> json = JsonTree::Parse(text(), path());
-  if (!json.ok()) return json.error();
-  Place place;
-  place.json = std::make_unique<JsonTree>(std::move(json).value());
-  place.entry = &place.json->root();
   return place;
 }
 
@@ -182,87 +175,6 @@ Status Editor::SetPose(const std::string& name, const Pose& pose) {
   if (!place.ok()) return place.error();
   return Commit(WithProperty(text(), BodyOf(*place.value().statement), "pose", PoseValue(entity, pose)),
                 "the move of " + name);
-}
-
-// Scenarios are in metres and degrees, whatever the units of their world.
-Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
-  const std::string label = "the move of " + entity.name;
-  const double degrees = WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
-  const auto number = [](double value, int decimals) { return PlainNumber(value, decimals); };
-  const std::string x = number(pose.x, kLengthDecimals);
-  const std::string y = number(pose.y, kLengthDecimals);
-  const std::string z = number(pose.z, kLengthDecimals);
-  const std::string heading = number(degrees, kHeadingDecimals);
-  const std::string flat = fmt::format("[{}, {}, {}]", x, y, heading);
-  const std::string raised = fmt::format("[{}, {}, {}, {}]", x, y, z, heading);
-  const Pose before = PoseInWorld(world_->loaded.world, entity.model);
-  // Less than half of the last written digit is no change of the height.
-  const bool keeps_z = std::abs(pose.z - before.z) < 0.5 * std::pow(10.0, -kLengthDecimals);
-  if (entity.where.file == path()) {
-    const Result<Place> place = PlaceOf(entity);
-    if (!place.ok()) return place.error();
-    if (entity.parent != nullptr) return Error{{}, "a child of a scenario's model is moved by its properties"};
-    const JsonNode* const old = place.value().entry->Find("pose");
-    const bool is_raised = (old != nullptr && old->items.size() == 4) || !keeps_z;
-    return Commit(WithMember(text(), *place.value().entry, "pose", is_raised ? raised : flat), label);
-  }
-  // A model of the world file: the scenario moves it.
-  if (entity.parent != nullptr) {
-    return Error{{}, fmt::format("{} is a part of a model at {}", Quoted(entity.name), PlaceText(entity.where))};
-  }
-  const Result<JsonTree> read = JsonTree::Parse(text(), path());
-  if (!read.ok()) return read.error();
-  const JsonNode& root = read.value().root();
-  const auto is_called = [&](const JsonNode* value) { return value != nullptr && value->text == entity.name; };
-  const std::string name = nlohmann::json(entity.name).dump();
-  if (entity.type == "position") {
-    if (const JsonNode* const robots = root.Find("robots")) {
-      for (const JsonNode& robot : robots->items) {
-        if (is_called(robot.Find("name")))
-          return Commit(WithMember(text(), robot, "pose", keeps_z ? flat : raised), label);
-      }
-      return Commit(WithElement(text(), *robots, fmt::format("{{\"name\": {}, \"pose\": {}}}", name, flat)), label);
-    }
-    return Commit(WithMember(text(), root, "robots", fmt::format("[{{\"name\": {}, \"pose\": {}}}]", name, flat)),
-                  label);
-  }
-  const FileUnits units = UnitsOf(world_->tree.world);
-  const double factor = 1.0 / units.metres;
-  std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
-  old.resize(4, Value::Number{0.0, "0"});
-  const std::string in_file = fmt::format("[{}, {}, {}, {}]", number(pose.x * factor, kLengthDecimals),
-                                          number(pose.y * factor, kLengthDecimals),
-                                          number(old[2].value + (pose.z - before.z) * factor, kLengthDecimals),
-                                          units.radians == 1.0 ? number(pose.heading, kRadianDecimals) : heading);
-  if (const JsonNode* const overrides = root.Find("override")) {
-    for (const JsonNode& rule : overrides->items) {
-      const JsonNode* const match = rule.Find("match");
-      const JsonNode* const properties = rule.Find("properties");
-      if (match == nullptr || properties == nullptr || match->items.size() != 1 || !is_called(match->Find("name")))
-        continue;
-      return Commit(WithMember(text(), *properties, "pose", in_file), label);
-    }
-  }
-  const std::string rule = fmt::format(R"({{"match": {{"name": {}}}, "properties": {{"pose": {}}}}})", name, in_file);
-  if (const JsonNode* const overrides = root.Find("override"))
-    return Commit(WithElement(text(), *overrides, rule), label);
-  return Commit(WithMember(text(), root, "override", "[" + rule + "]"), label);
-}
-
-// The syntax is parsed again, as `text` may be another one than the file's.
-Result<std::string> Editor::WithAdded(const std::string& text, const WrittenModel& model, bool is_robot) const {
-  if (kind_ != EditedKind::kScenario) {
-    const Result<StageTree> syntax = ParseStage(text, path());
-    if (!syntax.ok()) return syntax.error();
-    return WithEntry(text, syntax.value().body(), model);
-  }
-  const Result<JsonTree> read = JsonTree::Parse(text, path());
-  if (!read.ok()) return read.error();
-  const JsonNode& root = read.value().root();
-  const char* const list = is_robot ? "robots" : "models";
-  const std::string entry = ToScenarioEntry(model);
-  if (const JsonNode* const holder = root.Find(list)) return WithElement(text, *holder, entry);
-  return WithMember(text, root, list, "[\n    " + entry + "\n  ]");
 }
 
 // Libraries are read once and kept: reading them builds each model. A library file that is edited itself is not
@@ -339,6 +251,7 @@ Result<std::string> Editor::Copy(const std::string& name, const Pose& pose) {
   if (!found.ok()) return found.error();
   const EditedEntity& entity = *found.value();
   if (!IsFinite(pose)) return Error{{}, "found a pose that is not finite"};
+  if (entity.where.file != path()) return Elsewhere(entity, "in another file,");
   if (entity.parent != nullptr || entity.on_shelf) {
     return Error{{}, Quoted(name) + " has no place of its own in this file, expected a whole model of the world"};
   }
@@ -379,6 +292,7 @@ Result<std::string> Editor::Copy(const std::string& name, const Pose& pose) {
 Status Editor::Remove(const std::string& name) {
   const Result<const EditedEntity*> entity = FindEntity(name);
   if (!entity.ok()) return entity.error();
+  if (kind_ == EditedKind::kScenario && IsLeftOut(*entity.value())) return LeaveOut(name);
   const Result<Place> found = PlaceOf(*entity.value());
   if (!found.ok()) return found.error();
   const Place& place = found.value();
@@ -395,6 +309,7 @@ Status Editor::Rename(const std::string& before, const std::string& after) {
   if (!entity.ok()) return entity.error();
   if (Status wrong = CheckName(after); !wrong.ok()) return wrong;
   if (entity.value()->on_shelf) return Error{{}, "the name of a define is changed in the text, with its uses"};
+  if (entity.value()->where.file != path()) return Elsewhere(*entity.value(), "in another file,");
   if (world_->Find(after) != nullptr) return Error{{}, "found the name " + Quoted(after) + " in use, expected another"};
   const Result<Place> found = PlaceOf(*entity.value());
   if (!found.ok()) return found.error();

@@ -67,10 +67,11 @@ class Editor {
   Result<nlohmann::json> Execute(const edit::Redo&);
   Result<nlohmann::json> Execute(const edit::SetPose& operation);
   Result<nlohmann::json> Execute(const edit::SetProperty& operation);
-  Result<nlohmann::json> Execute(const edit::SetMember& operation);
+  Result<nlohmann::json> Execute(const edit::SetValue& operation);
   Result<nlohmann::json> Execute(const edit::Rename& operation);
   Result<nlohmann::json> Execute(const edit::Delete& operation);
   Result<nlohmann::json> Execute(const edit::Copy& operation);
+  Result<nlohmann::json> Execute(const edit::Together& operation);
   Result<nlohmann::json> Execute(const edit::AddModel& operation);
   Result<nlohmann::json> Execute(const edit::SetModel& operation);
   Result<nlohmann::json> Execute(const edit::SetPartProperty& operation);
@@ -80,7 +81,6 @@ class Editor {
   Result<nlohmann::json> Execute(const edit::SetGripperRoles& operation);
   Result<nlohmann::json> Execute(const edit::CreateBitmap& operation);
   Result<nlohmann::json> Execute(const edit::DrawBitmap& operation);
-  Result<nlohmann::json> Execute(const edit::SetRegion& operation);
 
   // In the world frame, m and rad.
   Status SetPose(const std::string& name, const Pose& pose);
@@ -96,6 +96,7 @@ class Editor {
   // The syntax trees are owned, as the pointers are into them. They are parsed for one edit and dropped: the text is
   // the only state.
   struct Place {
+    std::string text;                      // that of the file, or with an entry that is missing
     std::unique_ptr<StageTree> stage;      // of a Stage file
     const Statement* statement = nullptr;  // in there
     std::unique_ptr<JsonTree> json;        // of a scenario
@@ -121,10 +122,17 @@ class Editor {
   Status CheckText() const;  // the error of the text, if it has one
 
   Result<const EditedEntity*> FindEntity(const std::string& name) const;
-  // The entity's statement in this file. The error tells where it is instead.
+  // The entity's statement in this file, or a scenario's entry. The error tells where it is instead.
   Result<Place> PlaceOf(const EditedEntity& entity) const;
+  static Error Elsewhere(const EditedEntity& entity, const std::string& what);
   // The scenario as a whole.
   Result<Place> PlaceOfScenario() const;
+  // A robot that the scenario may change by an entry, which the place has.
+  bool IsRobotOfWorld(const EditedEntity& entity) const;
+  Result<Place> PlaceOfRobotOfWorld(const EditedEntity& entity) const;
+  // A model of the scenario's world or of a spawn rule, which `without` leaves out.
+  bool IsLeftOut(const EditedEntity& entity) const;
+  Status LeaveOut(const std::string& name);
   // The libraries that the file does not include yet, in the file's units; none: its units are others.
   std::vector<const ModelLibrary*> OtherLibraries() const;
   // The text with the library among its includes.

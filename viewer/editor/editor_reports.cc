@@ -23,6 +23,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxPictures = 300;  // of the palette
 constexpr std::size_t kMaxWarnings = 200;  // in a reply
+constexpr std::size_t kMaxEntries = 200;   // of a list of a scenario, in a reply
 
 // Lines and columns from 1.
 Json WhereJson(const SourceLocation& where) {
@@ -106,8 +107,8 @@ Result<Json> Editor::Execute(const edit::Document&) const {
   document["redo"] = file_.redo_label().value_or("");
   Json warnings = Json::array();
   Json entities = Json::array();
-  Json regions = Json::array();
   Json members = Json::object();
+  Json more = Json::object();
   Json properties = Json::array();
   if (world_ != nullptr) {
     const FileUnits units = UnitsOf(world_->tree.world);
@@ -130,16 +131,20 @@ Result<Json> Editor::Execute(const edit::Document&) const {
   if (kind_ == EditedKind::kScenario) {
     const Result<JsonTree> tree = JsonTree::Parse(text(), path());
     const JsonNode root = tree.ok() ? tree.value().root() : JsonNode();
-    if (const JsonNode* const spawn = root.Find("spawn")) regions = ToJson(*spawn);
     for (const JsonNode& member : root.items) {
-      if (root.is_object() && !member.is_array() && !member.is_object()) members[member.key] = ToJson(member);
+      if (!root.is_object()) break;
+      members[member.key] = ToJson(member);
+      if (!member.is_array() || member.items.size() <= kMaxEntries) continue;
+      Json& list = members[member.key];
+      list.erase(list.begin() + kMaxEntries, list.end());
+      more[member.key] = member.items.size() - kMaxEntries;
     }
   }
   document["members"] = std::move(members);
   document["properties"] = std::move(properties);
   document["warnings"] = std::move(warnings);
   document["entities"] = std::move(entities);
-  document["regions"] = std::move(regions);
+  document["more"] = std::move(more);
   return document;
 }
 

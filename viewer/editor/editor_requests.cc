@@ -2,6 +2,7 @@
 // and rooms, and the defines of the model editor.
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
@@ -83,11 +84,11 @@ Status Editor::SetBody(const Place& place, const std::string& name, const std::o
     const StageBody body = BodyOf(*place.statement);
     return Commit(value ? WithProperty(text(), body, name, *value) : WithoutProperty(text(), body, name), label);
   }
-  const JsonNode& entry = *place.entry;
-  const JsonNode* const holder = name == "pose" || name == "name" ? &entry : entry.Find("properties");
-  if (!value) return holder != nullptr ? Commit(WithoutMember(text(), *holder, name), label) : Status();
-  if (holder != nullptr) return Commit(WithMember(text(), *holder, name, ToJson(*value)), label);
-  return Commit(WithMember(text(), entry, "properties", "{" + Json(name).dump() + ": " + ToJson(*value) + "}"), label);
+  const bool is_member = name == "pose" || name == "name";
+  Result<std::string> changed =
+      WithValueAt(place.text, *place.entry, is_member ? JsonPath{name} : JsonPath{"properties", name},
+                  value ? std::optional(ToJson(*value)) : std::nullopt);
+  return changed.ok() ? Commit(std::move(changed).value(), label) : Status(changed.error());
 }
 
 // The name of an entity is changed by Rename, which checks that it is free.
@@ -133,74 +134,35 @@ Result<Json> Editor::Execute(const edit::SetProperty& operation) {
   return reply;
 }
 
-// The objects on the path that exist are kept with their members.
-Result<Json> Editor::Execute(const edit::SetMember& operation) {
-  if (kind_ != EditedKind::kScenario) return Error{{}, "found no scenario"};
-  if (Status broken = CheckText(); !broken.ok()) return broken.error();
-  const auto find_place = [&]() -> Result<Place> {
-    if (operation.name.empty()) return PlaceOfScenario();
-    const Result<const EditedEntity*> entity = FindEntity(operation.name);
-    if (!entity.ok()) return entity.error();
-    return PlaceOf(*entity.value());
-  };
-  const Result<Place> place = find_place();
-  if (!place.ok()) return place.error();
-  const JsonNode* object = place.value().entry;
-  std::size_t depth = 0;
-  for (; depth < operation.inside.size(); ++depth) {
-    const JsonNode* const inner = object->Find(operation.inside[depth]);
-    if (inner == nullptr || !inner->is_object()) break;
-    object = inner;
-  }
-  if (depth < operation.inside.size()) {
-    if (!operation.value) return Json::object();
-    // The objects that are missing, around the member.
-    std::string value = "{" + Json(operation.key).dump() + ": " + *operation.value + "}";
-    for (std::size_t i = operation.inside.size() - 1; i > depth; --i) {
-      value.insert(0, "{" + Json(operation.inside[i]).dump() + ": ").push_back('}');
-    }
-    return Done(Commit(WithMember(text(), *object, operation.inside[depth], value), "the change of " + operation.key));
-  }
-  std::string changed = operation.value ? WithMember(text(), *object, operation.key, *operation.value)
-                                        : WithoutMember(text(), *object, operation.key);
-  return Done(Commit(std::move(changed), "the change of " + operation.key));
-}
-
-Result<Json> Editor::Execute(const edit::SetRegion& operation) {
-  if (kind_ != EditedKind::kScenario) return Error{{}, "spawn regions belong to scenarios (.json)"};
-  if (Status broken = CheckText(); !broken.ok()) return broken.error();
-  const Result<JsonTree> read = JsonTree::Parse(text(), path());
-  if (!read.ok()) return read.error();
-  const JsonNode& root = read.value().root();
-  const JsonNode* const list = root.Find("spawn");
-  if (!operation.index) {
-    // One line, as rules are written by hand.
-    std::string rule = "{";
-    for (const auto& [key, value] : *operation.rule) {
-      rule += (rule.size() > 1 ? ", " : "") + Json(key).dump() + ": " + value;
-    }
-    rule += "}";
-    std::string changed = list != nullptr ? WithElement(text(), *list, rule)
-                                          : WithMember(text(), root, "spawn", "[\n    " + rule + "\n  ]");
-    return Done(Commit(std::move(changed), "the new spawn region"));
-  }
-  const std::size_t index = *operation.index;
-  if (list == nullptr || index >= list->items.size()) return Error{{}, "found no spawn rule of that number"};
-  if (!operation.rule) return Done(Commit(WithoutItem(text(), *list, index), "the deletion of a spawn region"));
-  // Member by member, so that the rest of the rule stays as it is written.
-  std::string changed = text();
-  for (const auto& [key, value] : *operation.rule) {
-    const Result<JsonTree> now = JsonTree::Parse(changed, path());
-    if (!now.ok()) return now.error();
-    changed = WithMember(changed, now.value().root().Member("spawn").items[index], key, value);
-  }
-  return Done(Commit(std::move(changed), "the change of a spawn region"));
-}
-
 Result<Json> Editor::Execute(const edit::Copy& operation) {
   Result<std::string> name = Copy(operation.name, operation.pose);
   if (!name.ok()) return name.error();
   return Json{{"name", std::move(name).value()}};
+}
+
+// Each is loaded before the next, because places in the text are those of the text as it is then.
+Result<Json> Editor::Execute(const edit::Together& operation) {
+  if (Status broken = CheckText(); !broken.ok()) return broken.error();
+  Json names = Json::array();
+  const auto apply = [&](const auto& each) -> Status {
+    Result<Json> reply = Execute(each);
+    if (!reply.ok()) return reply.error();
+    names.push_back(reply.value().value("name", each.name));
+    return {};
+  };
+  file_.BeginJoined();
+  for (const auto& each : operation.edits) {
+    const Status status = std::visit(apply, each);
+    if (status.ok()) continue;
+    file_.CancelJoined();
+    Load();
+    return status.error();
+  }
+  constexpr std::array kLabels{"the move of ", "the deletion of ", "the addition of "};
+  const std::size_t count = operation.edits.size();
+  const std::string what = count == 1 ? names[0].get<std::string>() : fmt::format("{} models", count);
+  file_.EndJoined(kLabels.at(operation.edits.front().index()) + what);
+  return Json{{"names", std::move(names)}};
 }
 
 // A single upright box has no blocks but its size.

@@ -27,7 +27,8 @@ constexpr std::int64_t kMaxWork = 100'000'000;  // pixels that a stroke fills, s
 constexpr double kMinPixel = 0.001;             // m
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFreed = 255;
-constexpr std::size_t kMaxDepth = 4;  // objects around a member
+constexpr std::size_t kMaxDepth = 12;    // of a value of a scenario
+constexpr std::size_t kMaxTogether = 500;  // edits
 
 // The text of a value on one line, with the blanks that people write.
 std::string SpacedJson(const JsonNode& value) {
@@ -287,14 +288,17 @@ class Decoder {
   EditOperation Save() { return edit::Save{Flag("overwrite")}; }
   EditOperation SetPose() { return edit::SetPose{Text("name"), PoseOf()}; }
   EditOperation SetProperty() { return edit::SetProperty{Text("name"), Change()}; }
-  EditOperation SetMember() {
-    edit::SetMember operation{Text("name"), {}, Text("key"), {}};
-    if (!IsPropertyName(operation.key)) Fail("found the key " + Quoted(operation.key) + ", expected a name");
-    request_.Read("inside", operation.inside);
-    if (operation.inside.size() > kMaxDepth ||
-        !std::all_of(operation.inside.begin(), operation.inside.end(), IsPropertyName)) {
-      Fail("found other keys as 'inside', expected at most 4 names");
+  EditOperation SetValue() {
+    edit::SetValue operation{Text("name"), {}, {}};
+    const std::optional<JsonReader> path = request_.Find("path");
+    for (const JsonReader& step : path ? path->Items(kMaxDepth) : std::vector<JsonReader>()) {
+      if (step.node().is_number()) {
+        step.To(operation.path.emplace_back(std::size_t{0}).emplace<std::size_t>());
+      } else {
+        step.To(operation.path.emplace_back().emplace<std::string>());
+      }
     }
+    if (operation.path.empty()) request_.FailWithout("path", "a list of keys and indices");
     const std::optional<JsonReader> value = request_.Find("value");
     if (value && !value->is_null()) operation.value = SpacedJson(value->node());
     return operation;
@@ -306,6 +310,26 @@ class Decoder {
   }
 
   EditOperation Copy() { return edit::Copy{Text("name"), PoseOf()}; }
+
+  EditOperation Together() {
+    edit::Together operation;
+    const std::optional<JsonReader> edits = request_.Find("edits");
+    for (const JsonReader& each : edits ? edits->Items(kMaxTogether) : std::vector<JsonReader>()) {
+      Decoder decoder(each);
+      const std::string op = decoder.Text("op");
+      if (op == "set_pose") {
+        operation.edits.emplace_back(edit::SetPose{decoder.Text("name"), decoder.PoseOf()});
+      } else if (op == "delete") {
+        operation.edits.emplace_back(edit::Delete{decoder.Text("name")});
+      } else if (op == "copy") {
+        operation.edits.emplace_back(edit::Copy{decoder.Text("name"), decoder.PoseOf()});
+      } else {
+        each.FailWith("found the operation " + Quoted(op) + " among several, expected set_pose, delete or copy");
+      }
+    }
+    if (operation.edits.empty()) request_.FailWithout("edits", "a list of edits");
+    return operation;
+  }
 
   EditOperation AddModel() {
     edit::AddModel operation;
@@ -372,28 +396,6 @@ class Decoder {
   }
   EditOperation DrawBitmap() { return edit::DrawBitmap{Text("name"), Stroke()}; }
 
-  EditOperation SetRegion() {
-    edit::SetRegion operation;
-    request_.Read("index", operation.index);
-    const std::optional<JsonReader> rule = request_.Find("rule");
-    if (!rule || rule->is_null()) {
-      if (!operation.index) request_.FailWithout("rule", "an object");
-      return operation;
-    }
-    // In the order in which rules are written by hand.
-    constexpr std::array kFirst{"model", "count", "region"};
-    std::vector<edit::SetRegion::Member>& members = operation.rule.emplace();
-    for (const char* key : kFirst) {
-      if (const std::optional<JsonReader> member = rule->Find(key))
-        members.push_back({key, SpacedJson(member->node())});
-    }
-    for (const JsonReader& member : rule->Members()) {
-      if (std::find(kFirst.begin(), kFirst.end(), member.key()) != kFirst.end()) continue;
-      members.push_back({member.key(), SpacedJson(member.node())});
-    }
-    return operation;
-  }
-
   EditOperation Test() {
     edit::Test operation;
     operation.model = Text("model");
@@ -421,16 +423,16 @@ constexpr std::pair<std::string_view, Decoder::Method> Decoder::kOperations[26] 
     {"redo", &Decoder::Plain<edit::Redo>},
     {"set_pose", &Decoder::SetPose},
     {"set_property", &Decoder::SetProperty},
-    {"set_member", &Decoder::SetMember},
+    {"set_value", &Decoder::SetValue},
     {"rename", &Decoder::Rename},
     {"delete", &Decoder::Named<edit::Delete>},
     {"copy", &Decoder::Copy},
+    {"together", &Decoder::Together},
     {"add_model", &Decoder::AddModel},
     {"set_model", &Decoder::SetModel},
     {"change_part", &Decoder::ChangePart},
     {"create_bitmap", &Decoder::CreateBitmap},
     {"draw_bitmap", &Decoder::DrawBitmap},
-    {"set_region", &Decoder::SetRegion},
     {"test", &Decoder::Test},
     {"end_test", &Decoder::Plain<edit::EndTest>},
 };

@@ -19,6 +19,7 @@
 #include "common/base/json_reader.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
+#include "worldfile/edit/stage_edit.h"
 #include "worldfile/edit/written_model.h"
 
 namespace troupe {
@@ -118,12 +119,11 @@ struct SetProperty {
   std::string name;
   PropertyChange change;
 };
-// "name", "key", "value": JSON, or null: it is removed; a member of a scenario's entry; without "name" of the scenario.
-// "inside": keys, of the object in the entry that has the member
-struct SetMember {
+// "path": keys and indices, "value": JSON, or null: it is removed; a value of a scenario, or with "name" of the entry of a
+// robot or model
+struct SetValue {
   std::string name;
-  std::vector<std::string> inside;
-  std::string key;
+  JsonPath path;
   std::optional<std::string> value;
 };
 // "name", "to"
@@ -139,6 +139,11 @@ struct Delete {
 struct Copy {
   std::string name;
   Pose pose;
+};
+// "edits": [{"op": "set_pose", "delete" or "copy", ...}, ...], one after another, as one edit of the history; none of them
+// counts if one is refused
+struct Together {
+  std::vector<std::variant<SetPose, Delete, Copy>> edits;
 };
 // "name": prefix, "pose", "blocks": [...], "properties": {...}: a static model of its own, for instance a wall or a
 // room
@@ -202,16 +207,6 @@ struct DrawBitmap {
   PixelStroke stroke;
 };
 
-// "index": of a spawn rule, none: a new one; "rule": an object of the schema, or null: the rule is deleted
-struct SetRegion {
-  struct Member {
-    std::string key;
-    std::string value;  // JSON
-  };
-  std::optional<std::size_t> index;
-  std::optional<std::vector<Member>> rule;
-};
-
 // "model": none: the world; "probe_height" in m
 struct Test {
   std::string model;
@@ -224,9 +219,9 @@ struct EndTest {};
 using EditOperation =
     std::variant<edit::Document, edit::Text, edit::Palette, edit::Help, edit::Bitmaps, edit::Entity, edit::Model,
                  edit::SetText, edit::Save, edit::Reload, edit::Undo, edit::Redo, edit::SetPose, edit::SetProperty,
-                 edit::SetMember, edit::Rename, edit::Delete, edit::Copy, edit::AddModel, edit::SetModel,
+                 edit::SetValue, edit::Rename, edit::Delete, edit::Copy, edit::Together, edit::AddModel, edit::SetModel,
                  edit::SetPartProperty, edit::AddPart, edit::RemovePart, edit::ShapePart, edit::SetGripperRoles,
-                 edit::CreateBitmap, edit::DrawBitmap, edit::SetRegion, edit::Test, edit::EndTest>;
+                 edit::CreateBitmap, edit::DrawBitmap, edit::Test, edit::EndTest>;
 
 // `request`: an object with the member "op". The error tells what is wrong with it.
 Result<EditOperation> DecodeEditOperation(const JsonReader& request);

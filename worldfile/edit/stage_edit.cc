@@ -346,4 +346,58 @@ std::string WithoutMember(const std::string& text, const JsonNode& object, const
   return member != nullptr ? WithoutItem(text, object, static_cast<std::size_t>(member - object.items.data())) : text;
 }
 
+namespace {
+
+// The value, in the objects and arrays that the steps from `first` on name. Entries of a list of the file itself begin lines
+// of their own.
+Result<std::string> ValueInSteps(const JsonPath& path, std::size_t first, const std::string& value) {
+  std::string whole = value;
+  for (std::size_t i = path.size(); i > first; --i) {
+    if (const auto* const key = std::get_if<std::string>(&path[i - 1])) {
+      whole.insert(0, "{" + nlohmann::json(*key).dump() + ": ").push_back('}');
+      continue;
+    }
+    if (std::get<std::size_t>(path[i - 1]) != 0) return Error{{}, "found no list of that length"};
+    const bool is_entry = i == 2 && whole.starts_with('{');
+    whole = is_entry ? "[\n    " + whole + "\n  ]" : "[" + whole + "]";
+  }
+  return whole;
+}
+
+}  // namespace
+
+Result<std::string> WithValueAt(const std::string& text, const JsonNode& node, const JsonPath& path,
+                                const std::optional<std::string>& value) {
+  const JsonNode* holder = &node;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const bool is_last = i + 1 == path.size();
+    const Result<std::string> inside = ValueInSteps(path, i + 1, value.value_or("null"));
+    if (const auto* const key = std::get_if<std::string>(&path[i])) {
+      if (!holder->is_object()) return Error{{}, "found " + Describe(*holder) + ", expected an object with " + *key};
+      const JsonNode* const next = holder->Find(*key);
+      if (next != nullptr && !is_last) {
+        holder = next;
+        continue;
+      }
+      if (!value) return WithoutMember(text, *holder, *key);
+      if (!inside.ok()) return inside.error();
+      return WithMember(text, *holder, *key, inside.value());
+    }
+    const std::size_t index = std::get<std::size_t>(path[i]);
+    if (!holder->is_array() || index > holder->items.size()) {
+      return Error{{}, "found " + Describe(*holder) + ", expected a list with an element " + std::to_string(index)};
+    }
+    const bool is_new = index == holder->items.size();
+    if (!is_new && !is_last) {
+      holder = &holder->items[index];
+      continue;
+    }
+    if (!value) return is_new ? text : WithoutItem(text, *holder, index);
+    if (!inside.ok()) return inside.error();
+    if (is_new) return WithElement(text, *holder, inside.value());
+    return ApplyChanges(text, {{holder->items[index].span, inside.value()}});
+  }
+  return text;
+}
+
 }  // namespace troupe

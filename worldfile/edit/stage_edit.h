@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/base/json_tree.h"
@@ -113,5 +114,13 @@ std::string WithElement(const std::string& text, const JsonNode& array, const st
 std::string WithoutItem(const std::string& text, const JsonNode& holder, std::size_t index);
 // Without the member of that name, if there is one.
 std::string WithoutMember(const std::string& text, const JsonNode& object, const std::string& key);
+
+// The way to a value: keys of objects and indices of arrays.
+using JsonPath = std::vector<std::variant<std::string, std::size_t>>;
+
+// With the value, JSON, at the path from `node` on, or without it. Objects and arrays that are missing are made; the index
+// behind the last element adds one. The error names a step that leads nowhere.
+Result<std::string> WithValueAt(const std::string& text, const JsonNode& node, const JsonPath& path,
+                                const std::optional<std::string>& value);
 
 }  // namespace troupe

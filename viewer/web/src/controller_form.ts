@@ -4,17 +4,21 @@
 // one.
 import {make, toast} from './dom';
 import type {ControllerHelp, EditorHelp, ParameterHelp} from './file_client';
+import {attempt} from './failures';
 import {numberField} from './property_fields';
+import {inDegrees, inRadians, taskForm} from './task_forms';
 import type {Waypoints} from './waypoint_drawing';
 
 export interface ControllerTarget {
   shown: {name: string; parameters: Record<string, unknown>; own: boolean};  // name: as the file has it; '': none
   locked: boolean;
   isStage: boolean;
-  choose(name: string | null): Promise<void>;  // null: none
-  set(parameter: string, value: unknown): Promise<void>;  // null: the default
-  // In the picture, from the robot on; none: it has no place there.
-  draw?: (done: (waypoints: Waypoints) => void) => void;
+  of: string;  // whose controller it is
+  // Both give the reason of a refusal, else ''.
+  choose(name: string | null): Promise<string>;  // null: none
+  set(parameter: string, value: unknown): Promise<string>;  // null: the default
+  // In the picture, from the robot on; none: it has no place there. `single`: one point.
+  draw?: (done: (waypoints: Waypoints) => void, single?: boolean) => void;
 }
 
 const NEEDS_TEXTS = ['script', 'fetch'];  // parameters with texts in them, which a `ctrl` cannot have
@@ -47,12 +51,12 @@ function parsed(text: string): unknown {
 
 // `text`: of `ctrl`, without its quotes. `change`: of `ctrl`, with its quotes; null: it is removed.
 export function stageController(
-    text: string, own: boolean, locked: boolean, help: EditorHelp, change: (value: string | null) => Promise<void>,
+    text: string, of: string, own: boolean, locked: boolean, help: EditorHelp, change: (value: string | null) => Promise<string>,
     draw?: ControllerTarget['draw']): ControllerTarget {
   const [name = '', ...words] = text.trim().split(/\s+/).filter(Boolean);
   const positions = help.stage_controllers[name]?.arguments ?? [];
   const given = argumentsOf(words, positions);
-  const write = (next: Argument[], controller = name): Promise<void> => {
+  const write = (next: Argument[], controller = name): Promise<string> => {
     let place = 0;
     const written = next.map(({key, value, named}) => {
       const isNext = !named && (key === '' || positions[place] === key);
@@ -63,17 +67,18 @@ export function stageController(
   };
   return {
     shown: {name, parameters: Object.fromEntries(given.filter(({key}) => key).map(({key, value}) => [key, parsed(value)])), own},
-    locked, isStage: true, draw,
+    locked, of, isStage: true, draw,
     choose: async chosen => {
       if (chosen === null) return change(null);
       const needed = help.controllers.find(each => each.name === chosen)?.parameters.filter(each => each.needed) ?? [];
-      await write(needed.map(({name: key, initial}) => ({key, value: JSON.stringify(initial), named: true})), chosen);
+      return write(needed.map(({name: key, initial}) => ({key, value: JSON.stringify(initial), named: true})), chosen);
     },
     set: async (key, value) => {
       const written = JSON.stringify(value);
       if (written.includes('"')) {
-        toast('A text cannot be a parameter in a world file: name the controller in a scenario', true);
-        return;
+        const problem = 'A text cannot be a parameter in a world file: name the controller in a scenario';
+        toast(problem, true);
+        return problem;
       }
       if (value === null) return write(given.filter(each => each.key !== key));
       if (!given.some(each => each.key === key)) return write([...given, {key, value: written, named: true}]);
@@ -82,7 +87,13 @@ export function stageController(
   };
 }
 
-function valueField(row: ParameterHelp, value: unknown, locked: boolean, set: (value: unknown) => void): HTMLElement {
+// The range of an angle in degrees.
+function rangeInDegrees({least, most}: ParameterHelp): {least?: number; most?: number} {
+  const shown = (limit: number | undefined): {value?: number} => (limit === undefined ? {} : {value: Math.round(inDegrees(limit))});
+  return {least: shown(least).value, most: shown(most).value};
+}
+
+function valueField(row: ParameterHelp, value: unknown, locked: boolean, change: (value: unknown, event?: Event) => void): HTMLElement {
   const input = document.createElement('input');
   input.disabled = locked;
   input.dataset.parameter = row.name;
@@ -90,8 +101,16 @@ function valueField(row: ParameterHelp, value: unknown, locked: boolean, set: (v
   if (row.form === 'flag') {
     input.type = 'checkbox';
     input.checked = (value ?? row.initial) === true;
-    input.onchange = () => set(input.checked);
+    input.onchange = () => change(input.checked);
     return input;
+  }
+  let event: Event | undefined;
+  input.addEventListener('change', each => { event = each; }, {capture: true});
+  const set = (next: unknown): void => change(next, event);
+  if (row.form === 'number' && row.unit.startsWith('rad') && (value === undefined || typeof value === 'number')) {
+    input.value = input.dataset.shown = value === undefined ? '' : String(inDegrees(value));
+    input.placeholder = typeof row.initial === 'number' && !row.needed ? String(inDegrees(row.initial)) : '';
+    return numberField(input, row.unit.replace('rad', '°'), rangeInDegrees(row), text => set(text === '' ? null : inRadians(Number(text))));
   }
   input.value = input.dataset.shown = value === undefined ? '' : typeof value === 'string' ? value : JSON.stringify(value);
   input.placeholder = row.initial === null || row.needed ? '' : JSON.stringify(row.initial);
@@ -127,7 +146,7 @@ export function showController(target: ControllerTarget, help: EditorHelp): HTML
   }
   if (name !== '' && !help.controllers.some(each => each.name === name)) select.append(new Option(name, name));
   select.value = name;
-  select.onchange = () => void target.choose(select.value === '' ? null : select.value);
+  select.onchange = event => void attempt(target.of, event, () => target.choose(select.value === '' ? null : select.value));
   const line = make('div', own || name === '' ? 'property' : 'property inherited');
   line.append(make('span', 'property-name', 'controller'), select);
   box.append(line);
@@ -140,8 +159,22 @@ export function showController(target: ControllerTarget, help: EditorHelp): HTML
     if (target.locked && !isGiven) continue;
     const parameter = make('div', `property parameter${isGiven ? (own ? '' : ' inherited') : ' absent'}`);
     const label = make('span', 'property-name', row.name);
-    label.title = `${row.help}${row.unit ? ` (${row.unit})` : ''}${row.initial === null ? '' : `, default ${JSON.stringify(row.initial)}`}`;
-    parameter.append(label, valueField(row, parameters[row.name], target.locked, value => void target.set(row.name, value)));
+    const isAngle = row.unit.startsWith('rad') && typeof row.initial === 'number';
+    const initial = isAngle ? String(inDegrees(row.initial as number)) : JSON.stringify(row.initial);
+    label.title = `${row.help}${row.unit ? ` (${row.unit.replace(/^rad/, '°')})` : ''}${row.initial === null ? '' : `, default ${initial}`}`;
+    const places = Array.isArray(parameters.places) ? (parameters.places as Array<{name?: string}>).map(each => each?.name ?? '') : [];
+    const tasks = taskForm(known?.name ?? '', row.name, parameters[row.name], {
+      locked: target.locked, places, set: value => void target.set(row.name, value),
+      pick: target.draw && (done => target.draw?.(done, true)),
+    });
+    if (tasks) {
+      parameter.classList.add('wide');
+      parameter.append(label, tasks);
+      box.append(parameter);
+      continue;
+    }
+    parameter.append(label, valueField(row, parameters[row.name], target.locked,
+                                       (value, event) => void attempt(target.of, event, () => target.set(row.name, value))));
     if (row.name === WAYPOINTS && target.draw && !target.locked) {
       const draw = make('button', 'plain', '✎');
       draw.title = 'Draw the waypoints in the picture';

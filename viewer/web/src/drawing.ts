@@ -1,16 +1,16 @@
-// Drawing on the ground of the scene: walls, rooms and spawn regions, by dragging from one point to another.
+// Drawing on the ground of the scene: walls, rooms and areas, by dragging from one point to another.
 //
 // Points snap to the grid in world coordinates, metres. A drawn thing becomes text of the file by one request at the
 // end of the drag; until then it is a preview that the gateway does not know.
 import {BufferAttribute, BufferGeometry, Line, LineBasicMaterial, LineSegments, Vector3} from 'three';
 import {byId, fixed, make} from './dom';
 import {DragLabel, metres} from './drag_label';
-import type {FileClient, PictureBlock, SpawnRule} from './file_client';
+import type {PictureBlock} from './file_client';
 import type {Pose} from './protocol';
 import {degrees} from './run';
 import type {WorldScene} from './scene';
 
-export type DrawTool = 'none' | 'wall' | 'room' | 'region';
+export type DrawTool = 'none' | 'wall' | 'room' | 'area';
 
 export interface Point {
   x: number;
@@ -26,9 +26,9 @@ const LEAST = 0.1;  // m, of a drag
 
 const HINTS: Record<DrawTool, string> = {
   none: '',
-  wall: 'Drag from one end of the wall to the other. Escape ends this.',
+  wall: 'Drag from one end of the wall to the other; Shift: right angles; Alt: free. Escape ends this.',
   room: 'Drag from one corner of the room to the opposite one. Escape ends this.',
-  region: 'Drag from one corner of the region to the opposite one. Escape ends this.',
+  area: 'Drag from one corner of the area to the opposite one. Escape ends this.',
 };
 
 function box(x0: number, y0: number, x1: number, y1: number, height: number): PictureBlock {
@@ -94,12 +94,13 @@ export class Drawing {
     byId('hint').hidden = tool === 'none';
     byId('hint').textContent = HINTS[tool];
     this.scene.canvas.classList.toggle('aiming', tool !== 'none');
-    for (const name of ['wall', 'room', 'region']) byId(`file-${name}`).classList.toggle('on', tool === name);
+    for (const name of ['wall', 'room', 'area']) byId(`file-${name}`).classList.toggle('on', tool === name);
     this.showOptions();
   }
 
   private showOptions(): void {
     const options = byId('draw-options');
+    byId('area-options').hidden = this.tool !== 'area';
     options.hidden = this.tool !== 'wall' && this.tool !== 'room';
     const field = (text: string, value: number, apply: (value: number) => void): HTMLElement => {
       const label = make('label', '', `${text} `);
@@ -116,6 +117,11 @@ export class Drawing {
       field('thickness', this.thickness, value => (this.thickness = Math.max(0.01, value))),
       field('height', this.height, value => (this.height = Math.max(0.01, value))));
     if (this.tool === 'room') options.append(field('door', this.door, value => (this.door = value)));
+  }
+
+  // Of a wall or a room: the first end.
+  get begun(): {from: Point | null; isWall: boolean} | null {
+    return this.tool === 'wall' || this.tool === 'room' ? {from: this.from, isWall: this.tool === 'wall'} : null;
   }
 
   private onDown(event: PointerEvent): void {
@@ -219,96 +225,5 @@ export class Measuring {
     const y = to.y - this.from.y;
     byId('hint').textContent =
       `${fixed(Math.hypot(x, y), 3)} m, x ${fixed(x, 3)} m, y ${fixed(y, 3)} m, direction ${fixed(degrees(Math.atan2(y, x)), 1)}°`;
-  }
-}
-
-// The regions of a scenario's spawn rules: drawn on the ground, and a list to change them.
-
-export interface SpawnRegionsHost {
-  models(): string[];
-  changed(): void;
-}
-
-function cornersOf(region: SpawnRule['region']): Point[] {
-  if (region.length === 4 && typeof region[0] === 'number') {
-    const [x0, y0, x1, y1] = region as number[];
-    return [{x: x0, y: y0}, {x: x1, y: y0}, {x: x1, y: y1}, {x: x0, y: y1}];
-  }
-  return (region as number[][]).map(([x, y]) => ({x, y}));
-}
-
-export class SpawnRegions {
-  private shown = '';  // signature of the list
-  private readonly lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: 0x2b9a5c}));
-
-  constructor(
-      private readonly scene: WorldScene, private readonly client: FileClient, private readonly host: SpawnRegionsHost) {
-    this.lines.frustumCulled = false;
-    scene.add(this.lines);
-  }
-
-  async add(from: Point, to: Point): Promise<void> {
-    const round = (value: number): number => Math.round(value * 100) / 100;
-    const model = this.host.models()[0] ?? 'position';
-    const region = [Math.min(from.x, to.x), Math.min(from.y, to.y), Math.max(from.x, to.x), Math.max(from.y, to.y)].map(round);
-    await this.client.edit('set_region', {rule: {model, count: 1, region}});
-    this.host.changed();
-  }
-
-  show(rules: SpawnRule[], locked: boolean): void {
-    const points: number[] = [];
-    for (const rule of rules) {
-      const corners = cornersOf(rule.region);
-      corners.forEach((corner, i) => {
-        const next = corners[(i + 1) % corners.length];
-        points.push(corner.x, corner.y, 0.02, next.x, next.y, 0.02);
-      });
-    }
-    this.lines.geometry.dispose();
-    this.lines.geometry = new BufferGeometry();
-    this.lines.geometry.setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
-    this.scene.invalidate();
-    // A list that is open, or a number that is being typed, must stay where it is.
-    const list = byId('region-list');
-    const active = document.activeElement;
-    if (active instanceof HTMLInputElement && list.contains(active) && active.value !== active.defaultValue) return;
-    const signature = JSON.stringify([rules, locked, this.host.models()]);
-    if (signature === this.shown) return;
-    this.shown = signature;
-    list.replaceChildren(
-      ...(rules.length > 0 ? [make('h2', 'second', 'Spawn regions')] : []), ...rules.map((rule, i) => this.row(rule, i, locked)));
-  }
-
-  private row(rule: SpawnRule, index: number, locked: boolean): HTMLElement {
-    const row = make('div', 'block-row');
-    const change = (members: object): void => {
-      this.shown = '';  // of a change that is refused the old value is shown again
-      void this.client.edit('set_region', {index, rule: members}).then(() => this.host.changed());
-    };
-    const count = document.createElement('input');
-    count.type = 'number';
-    count.className = 'number';
-    count.min = '1';
-    count.defaultValue = String(rule.count);
-    count.disabled = locked;
-    count.setAttribute('aria-label', 'Number of models');
-    count.onchange = () => {
-      count.defaultValue = count.value;
-      change({count: Number(count.value)});
-    };
-    const model = document.createElement('select');
-    model.disabled = locked;
-    model.setAttribute('aria-label', 'Model');
-    const names = this.host.models();
-    model.append(...(names.includes(rule.model) ? names : [rule.model, ...names]).map(name => new Option(name, name, false, name === rule.model)));
-    model.onchange = () => change({model: model.value});
-    row.append(count, model);
-    if (!locked) {
-      const remove = make('button', 'plain', '✕');
-      remove.title = 'Delete the spawn rule';
-      remove.onclick = () => void this.client.edit('set_region', {index, rule: null}).then(() => this.host.changed());
-      row.append(remove);
-    }
-    return row;
   }
 }

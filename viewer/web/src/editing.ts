@@ -10,15 +10,24 @@ import {byId, make, setOn, toast} from './dom';
 import {Popup} from './toolbar';
 import {Measuring} from './drawing';
 import type {Pose} from './protocol';
-import {nameOf, poseOf, type Entity, type Run} from './run';
+import {findEntity, nameOf, poseOf, type Entity, type Run} from './run';
 import type {WorldScene} from './scene';
+import {RubberBand} from './selection';
 
 type Tool = 'none' | 'move' | 'add' | 'send' | 'measure';
+
+// Another entity that is dragged with the one below the pointer.
+interface Companion {
+  entity: Entity;
+  name: string;
+  start: Pose;
+}
 
 interface Drag {
   entity: Entity;
   name: string;
   start: Pose;
+  others: Companion[];
   offset: {x: number; y: number};  // from the pointer to the entity
   pose: Pose;
   turning: boolean;
@@ -57,11 +66,27 @@ export interface EditingHost {
   driveTo(point: [number, number]): void;  // the selected robot
 }
 
+export interface NamedPose {
+  name: string;
+  pose: Pose;
+}
+
 // The edits of a file, in place of edits of a run.
 export interface FileEdits {
   undo(): Promise<void>;
   redo(): Promise<void>;
   rename(before: string, after: string): Promise<void>;
+  deleteSelected(): Promise<void>;
+  // The name of the entry that makes what is called `name`: a door, of its leaf.
+  ownerOf(name: string): string;
+  selection(): readonly string[];
+  selectOnly(name: string): void;  // '': nothing
+  toggle(name: string): void;
+  selectInside(rect: DOMRect): void;
+  // Poses beside what is near, of an entity and of a new model.
+  beside(name: string, pose: Pose): Pose;
+  besideNew(model: string, pose: Pose): Pose;
+  move(poses: NamedPose[]): Promise<boolean>;
 }
 
 export class Editing {
@@ -75,6 +100,7 @@ export class Editing {
   private readonly menu = byId('add-menu');
   private readonly popup = new Popup(byId('add'), this.menu);
   private readonly hint = byId('hint');
+  private readonly band = new RubberBand();
   private readonly history: EditHistory;
   private readonly measuring: Measuring;
 
@@ -125,7 +151,7 @@ export class Editing {
     this.popup.set(false);
     this.hint.hidden = true;
     this.measuring.clear();
-    this.scene.showGhost(null, 0);
+    this.hideDrag();
     this.scene.setControlsEnabled(true);
     this.scene.canvas.classList.remove('aiming');
     for (const id of ['move', 'measure', 'send']) setOn(id, false);
@@ -176,8 +202,9 @@ export class Editing {
     const start = run && entity ? poseOf(run, entity) : null;
     if (!run || !entity || !start) return toast('Select the robot or the object to move', true);
     if (!this.drag?.byKeys) {
+      const name = nameOf(run.world, entity);
       this.drag = {
-        entity, name: nameOf(run.world, entity), start, offset: {x: 0, y: 0}, pose: start, turning: false, byKeys: true,
+        entity, name, start, others: this.companionsOf(run, name), offset: {x: 0, y: 0}, pose: start, turning: false, byKeys: true,
       };
     }
     const {pose} = this.drag;
@@ -185,8 +212,48 @@ export class Editing {
     this.showDrag(this.drag);
   }
 
+  // The other selected entities, if this one is among them.
+  private companionsOf(run: Run, name: string): Companion[] {
+    const names = this.file?.selection() ?? [];
+    if (!names.includes(name)) return [];
+    return names.filter(each => each !== name).flatMap(each => {
+      const entity = findEntity(run.world, each);
+      const start = entity ? poseOf(run, entity) : null;
+      return entity && start ? [{entity, name: each, start}] : [];
+    });
+  }
+
+  // Where the companions of a drag would be: they move with the entity, and turn about it.
+  private companionPoses({start, pose, others}: Drag): NamedPose[] {
+    const turn = pose.heading - start.heading;
+    const [c, s] = [Math.cos(turn), Math.sin(turn)];
+    return others.map(({name, start: own}) => {
+      const [x, y] = [own.x - start.x, own.y - start.y];
+      return {name, pose: {...own, x: pose.x + c * x - s * y, y: pose.y + s * x + c * y, heading: own.heading + turn}};
+    });
+  }
+
   private showDrag(drag: Drag): void {
-    this.scene.showGhost(drag.pose, this.scene.bodies?.radiusOf(drag.entity) ?? 0.3);
+    const radiusOf = (entity: Entity): number => this.scene.bodies?.radiusOf(entity) ?? 0.3;
+    this.scene.showGhost(drag.pose, radiusOf(drag.entity));
+    this.scene.showGhostRings(this.companionPoses(drag).map(({pose}, i) => ({pose, radius: radiusOf(drag.others[i].entity)})));
+  }
+
+  private hideDrag(): void {
+    this.scene.showGhost(null, 0);
+    this.scene.showGhostRings([]);
+  }
+
+  // The names of what is dragged.
+  get dragged(): string[] {
+    return this.drag ? [this.drag.name, ...this.drag.others.map(({name}) => name)] : [];
+  }
+
+  // What is at a place of the window; a part of an entry of a file is that entry.
+  private pick(run: Run, x: number, y: number): Entity | null {
+    const entity = this.scene.pick(x, y);
+    if (!entity || !this.file) return entity;
+    return findEntity(run.world, this.file.ownerOf(nameOf(run.world, entity))) ?? entity;
   }
 
   forget(): void {
@@ -213,6 +280,7 @@ export class Editing {
   }
 
   async deleteSelected(): Promise<void> {
+    if (this.file) return this.file.deleteSelected();
     const run = this.host.run();
     const entity = this.host.selected();
     const pose = run && entity ? poseOf(run, entity) : null;
@@ -287,23 +355,32 @@ export class Editing {
     if (event.button !== 0) return;
     this.pressed = {x: event.clientX, y: event.clientY};
     const run = this.host.run();
+    const entity = this.tool === 'move' && run ? this.pick(run, event.clientX, event.clientY) : null;
+    if (this.file && event.shiftKey && !entity && (this.tool === 'none' || this.tool === 'move')) {
+      event.stopImmediatePropagation();
+      this.scene.setControlsEnabled(false);
+      this.band.begin(event);
+      return;
+    }
     if (this.tool !== 'move' || !run) return;
-    const entity = this.scene.pick(event.clientX, event.clientY);
     const start = entity ? poseOf(run, entity) : null;
     if (!entity || !start) return;
     const at = this.scene.pointAt(event.clientX, event.clientY, start.z);
     if (!at) return;
     event.stopImmediatePropagation();
     this.scene.setControlsEnabled(false);
-    this.host.select(entity);
+    const name = nameOf(run.world, entity);
+    const others = this.companionsOf(run, name);
+    if (others.length === 0 && !event.shiftKey) this.host.select(entity);
     this.drag = {
-      entity, name: nameOf(run.world, entity), start, offset: {x: start.x - at.x, y: start.y - at.y}, pose: start,
+      entity, name, start, others, offset: {x: start.x - at.x, y: start.y - at.y}, pose: start,
       turning: event.shiftKey, byKeys: false,
     };
   }
 
   private onMove(event: PointerEvent): void {
     if (event.target === this.scene.canvas) this.aim = {x: event.clientX, y: event.clientY};
+    if (this.band.isOpen) return this.band.move(event);
     if (this.aim) this.pointAt(this.aim);
     if (!this.drag || this.drag.byKeys) return;
     const {start, offset} = this.drag;
@@ -312,6 +389,7 @@ export class Editing {
     this.drag.pose = this.drag.turning
       ? {...start, heading: Math.atan2(at.y - start.y, at.x - start.x)}
       : {...start, x: at.x + offset.x, y: at.y + offset.y};
+    if (this.file && !this.drag.turning) this.drag.pose = this.file.beside(this.drag.name, this.drag.pose);
     this.showDrag(this.drag);
   }
 
@@ -325,28 +403,53 @@ export class Editing {
     if (this.tool === 'add') void this.spawnAt(x, y, repeat);
     else if (this.tool === 'send') void this.sendTo(x, y);
     else if (this.tool === 'measure') this.measuring.click(x, y);
-    else this.host.select(this.scene.pick(x, y));
+    else {
+      const run = this.host.run();
+      const entity = run ? this.pick(run, x, y) : null;
+      this.host.select(entity);
+      this.file?.selectOnly(run && entity ? nameOf(run.world, entity) : '');
+    }
+  }
+
+  // Of a click with Shift, or of a rectangle that has been dragged.
+  private endBand(event: PointerEvent, pressed: Place | null): void {
+    const rect = this.band.end(event);
+    this.scene.setControlsEnabled(true);
+    const run = this.host.run();
+    if (!run || !this.file) return;
+    if (pressed && Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_DISTANCE) return this.file.selectInside(rect);
+    const entity = this.pick(run, event.clientX, event.clientY);
+    if (entity) this.file.toggle(nameOf(run.world, entity));
   }
 
   private onUp(event: PointerEvent): void {
     const pressed = this.pressed;
     this.pressed = null;
-    if (this.drag && !this.drag.byKeys) return this.drop(this.drag);
+    if (this.band.isOpen) return this.endBand(event, pressed);
+    if (this.drag && !this.drag.byKeys) return this.drop(this.drag, event.shiftKey);
     if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_DISTANCE) return;
     if (event.target !== this.scene.canvas) return;
     this.click({x: event.clientX, y: event.clientY}, event.shiftKey);
   }
 
-  private drop(drag: Drag): void {
+  // `toggles`: what has not moved is selected with others, or no more.
+  private drop(drag: Drag, toggles = false): void {
     this.drag = null;
     this.scene.setControlsEnabled(true);
     const {name, start, pose} = drag;
     if (pose === start) {
-      this.scene.showGhost(null, 0);
+      this.hideDrag();
+      if (toggles && drag.turning && this.file) this.file.toggle(name);
+      return;
+    }
+    if (drag.others.length === 0) this.host.select(drag.entity);
+    const companions = this.companionPoses(drag);
+    if (this.file && companions.length > 0) {
+      void this.file.move([{name, pose}, ...companions]).then(() => this.hideDrag());
       return;
     }
     void this.setPose(name, pose).then(done => {
-      this.scene.showGhost(null, 0);
+      this.hideDrag();
       if (!done) return;
       this.history.add({
         text: `the move of ${name}`, undo: () => this.setPose(name, start), redo: () => this.setPose(name, pose),
@@ -394,7 +497,8 @@ export class Editing {
     const at = this.scene.floorAt(place.x, place.y);
     if (!at) return;
     const isSent = this.tool === 'send';
-    const pose = {x: at.x, y: at.y, z: at.z, heading: isSent ? 0 : this.adding.heading};
+    const plain = {x: at.x, y: at.y, z: at.z, heading: isSent ? 0 : this.adding.heading};
+    const pose = isSent || !this.file ? plain : this.file.besideNew(this.adding.name, plain);
     this.scene.showGhost(pose, 0.3, isSent ? '' : this.adding.name);
   }
 
@@ -404,7 +508,8 @@ export class Editing {
     const {name: source, type, heading} = this.adding;
     if (!repeat) this.cancel();
     if (!at) return;
-    const pose = {x: at.x, y: at.y, z: at.z, heading};
+    const plain = {x: at.x, y: at.y, z: at.z, heading};
+    const pose = this.file ? this.file.besideNew(source, plain) : plain;
     const controller = type === 'position' && this.controller ? {controller: this.controller} : {};
     const reply = await this.connection.request('spawn', {source, pose: numbers(pose), ...controller});
     const name = reply.entities?.[0]?.name ?? source;

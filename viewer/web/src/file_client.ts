@@ -5,6 +5,7 @@
 // are text are in the file's units.
 import type {Connection, EditReply} from './connection';
 import {toast} from './dom';
+import type {Schema} from './value_forms';
 
 export interface Where {
   file: string;
@@ -20,13 +21,6 @@ export interface FileEntity {
   where: Where;
 }
 
-export interface SpawnRule {
-  model: string;
-  count: number;
-  region: number[] | number[][];
-  name_prefix?: string;
-}
-
 export interface FileDocument {
   file: string;
   kind: 'world' | 'include' | 'scenario';
@@ -38,8 +32,8 @@ export interface FileDocument {
   redo: string;
   warnings: string[];
   entities: FileEntity[];
-  regions: SpawnRule[];
-  members: Record<string, string | number | boolean>;  // of a scenario
+  members: Record<string, unknown>;  // of a scenario
+  more: Record<string, number>;  // entries of its lists that `members` leaves out
   properties: Array<{name: string; value: string}>;  // of the world
   metres?: number;  // per unit of length of the file; with radians, if it has been loaded
   radians?: number;
@@ -95,7 +89,7 @@ export interface EditorHelp {
   controllers: ControllerHelp[];
   stage_controllers: Record<string, {name: string; arguments: string[]}>;  // by the name in `ctrl`
   colors: Record<string, [number, number, number]>;  // 0 to 255
-  schema?: {properties?: Record<string, {description?: string}>};  // of scenarios
+  schema?: Schema;  // of scenarios
 }
 
 export interface FileProperty {

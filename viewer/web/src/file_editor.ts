@@ -3,24 +3,31 @@
 //
 // The page keeps no copy of the file: after each edit it asks for the document again and shows that. So a refused edit
 // leaves nothing to be undone, and two pages that edit one file show the same.
+import {Areas} from './areas';
 import {BitmapDrawing} from './bitmap_drawing';
 import type {Connection} from './connection';
 import {byId, labelOf, make, setText, toast} from './dom';
-import {Drawing, roomBetween, SpawnRegions, wallBetween, type DrawTool, type Point} from './drawing';
-import type {Editing} from './editing';
+import {Drawing, roomBetween, wallBetween, type DrawTool, type Point} from './drawing';
+import type {Editing, NamedPose} from './editing';
 import {FileClient, placeText, type EditorHelp, type EntityReport, type FileDocument, type PaletteRow} from './file_client';
 import {FilePanel} from './file_panel';
 import {ModelEditor} from './model_editor';
 import {drawPicture} from './model_picture';
 import {PlaceGrid} from './place_grid';
 import {PlanImport} from './plan_import';
+import type {Pose} from './protocol';
+import type {Run} from './run';
 import type {WorldScene} from './scene';
+import {Selection} from './selection';
 import {TextPane} from './text_pane';
 import {WaypointDrawing} from './waypoint_drawing';
 
 export interface FileEditorHost {
   // An entity of the scene, if it is one. `center`: the picture turns to it.
   selectName(name: string, center: boolean): void;
+  // Those are selected with it.
+  markNames(names: readonly string[]): void;
+  run(): Run | null;
 }
 
 const WALL_COLOR = '"gray60"';
@@ -33,15 +40,16 @@ export class FileEditor {
   private readonly drawing: Drawing;
   private readonly bitmaps: BitmapDrawing;
   private readonly models: ModelEditor;
-  private readonly regions: SpawnRegions;
+  private readonly areas: Areas;
+  private readonly grid: PlaceGrid;
+  private readonly selection = new Selection();
   private readonly panel: FilePanel;
   private readonly plan: PlanImport;
   private readonly waypoints: WaypointDrawing;
   readonly text: TextPane;
   private help: EditorHelp = {properties: [], controllers: [], stage_controllers: {}, colors: {}};
   private palette: PaletteRow[] = [];
-  private selected = '';
-  private copied = '';  // to be pasted
+  private copied: readonly string[] = [];  // to be pasted
   private pointer: {x: number; y: number} | null = null;  // over the picture, px
   private paletteVersion = -1;
   private bitmapVersion = -1;
@@ -60,20 +68,30 @@ export class FileEditor {
       changed: () => void this.refresh(),
       test: (model, probeHeight) => this.test(model, probeHeight),
     });
-    this.regions = new SpawnRegions(scene, this.client, {
-      // Robots first: those are spawned most.
-      models: () => [...this.palette].sort((a, b) => Number(b.type === 'position') - Number(a.type === 'position'))
-        .map(row => row.name),
-      changed: () => void this.refresh(),
+    this.areas = new Areas(scene, this.client, {
+      robots: () => this.palette.filter(({type, library, where}) => type === 'position' && !library && where.file).map(({name}) => name),
+      added: (key, index) => {
+        this.host.selectName('', false);
+        this.selection.set([]);
+        this.panel.open([key], [key, index]);
+        void this.refresh();
+      },
     });
     this.panel = new FilePanel(this.client, {
       help: () => this.help,
       refresh: () => this.refresh(),
       renamed: name => this.select(name),
-      drawWaypoints: (from, done) => {
+      drawWaypoints: (from, done, single) => {
         this.editing.cancel();
         this.drawing.set('none');
-        this.waypoints.begin(from, done);
+        this.waypoints.begin(from, done, single);
+      },
+      // Robots first: those are named most.
+      models: () => [...this.palette].filter(({library}) => !library)
+        .sort((a, b) => Number(b.type === 'position') - Number(a.type === 'position')).map(({name}) => name),
+      places: () => {
+        const places = this.document?.members.places;
+        return Array.isArray(places) ? (places as Array<{name?: string}>).map(({name}) => name ?? '') : [];
       },
     }, viewOnly);
     this.waypoints = new WaypointDrawing(scene);
@@ -96,8 +114,22 @@ export class FileEditor {
       undo: () => this.step('undo'),
       redo: () => this.step('redo'),
       rename: (before, after) => this.rename(before, after),
+      deleteSelected: () => this.deleteSelected(),
+      ownerOf: name => this.ownerOf(name),
+      selection: () => this.selection.names,
+      selectOnly: name => this.selectOnly(name),
+      toggle: name => this.toggle(name),
+      selectInside: rect => this.selectInside(rect),
+      beside: (name, pose) => this.grid.besideOthers(name, pose),
+      besideNew: (model, pose) => this.grid.besideOthersNew(this.palette.find(({name}) => name === model)?.picture ?? [], pose),
+      move: poses => this.moveTogether(poses),
     });
-    new PlaceGrid(scene, () => this.bitmaps.open);
+    this.grid = new PlaceGrid(scene, {
+      run: () => this.host.run(),
+      choosesPixels: () => this.bitmaps.open,
+      drawn: () => this.drawing.begun,
+      dragged: () => this.editing.dragged,
+    });
     this.bind();
     void this.load();
   }
@@ -110,14 +142,60 @@ export class FileEditor {
 
   // The gateway has another world.
   worldChanged(): void {
+    this.host.markNames(this.selection.others);
     void this.refresh();
+  }
+
+  private get selected(): string {
+    return this.selection.primary;
   }
 
   select(name: string): void {
     if (name === this.selected) return;
-    this.selected = name;
+    this.selection.set([name]);
+    this.showSelection();
+  }
+
+  private showSelection(): void {
+    this.host.markNames(this.selection.others);
     void this.showPanel();
     this.showEntities();
+  }
+
+  // The selection as it is now, in the picture, too.
+  private applySelection(): void {
+    const names = [...this.selection.names];
+    this.host.selectName(this.selected, false);
+    this.selection.set(names);
+    this.showSelection();
+  }
+
+  private selectOnly(name: string): void {
+    if (name === this.selected && !this.selection.isSeveral) return;
+    this.selection.set([name]);
+    this.showSelection();
+  }
+
+  private toggle(name: string): void {
+    this.selection.toggle(name);
+    this.applySelection();
+  }
+
+  private selectInside(rect: DOMRect): void {
+    const inside = (this.document?.entities ?? []).map(({name}) => name).filter(name => {
+      const at = this.scene.placeOfName(name);
+      return at && at.x >= rect.left && at.x <= rect.right && at.y >= rect.top && at.y <= rect.bottom;
+    });
+    this.selection.set([...this.selection.names, ...inside]);
+    this.applySelection();
+  }
+
+  // A leaf of a door and a cabin of a lift are called as their entry, and more.
+  private ownerOf(name: string): string {
+    const entities = this.document?.entities ?? [];
+    if (entities.some(each => each.name === name)) return name;
+    const owner = name.slice(0, Math.max(0, name.lastIndexOf('.')));
+    return entities.some(each => each.name === owner) ? owner : name;
   }
 
   // True if the key belongs to the editor.
@@ -129,16 +207,21 @@ export class FileEditor {
     }
     if ((event.ctrlKey || event.metaKey) && !this.viewOnly && !isTyping(event)) {
       const key = event.key.toLowerCase();
+      if (key === 'a') {
+        this.selection.set((this.document?.entities ?? []).filter(({here}) => here).map(({name}) => name));
+        this.applySelection();
+        return true;
+      }
       if (key === 'd' && this.selected) {
         void this.duplicate();
         return true;
       }
       if (key === 'c' && this.selected && window.getSelection()?.isCollapsed !== false) {
-        this.copied = this.selected;
-        toast(`${this.copied} is copied: Ctrl-V puts a copy at the pointer`);
+        this.copied = [...this.selection.names];
+        toast(`${this.copied.length === 1 ? this.selected : `${this.copied.length} models`} copied: Ctrl-V puts a copy at the pointer`);
         return true;
       }
-      if (key === 'v' && this.copied) {
+      if (key === 'v' && this.copied.length > 0) {
         void this.paste();
         return true;
       }
@@ -163,7 +246,7 @@ export class FileEditor {
     bind('file-plan', () => this.plan.choose());
     bind('file-model', () => this.models.openNew());
     bind('file-test', () => void (this.document?.testing ? this.endTest() : this.test('', 0)));
-    for (const tool of ['wall', 'room', 'region'] as const) bind(`file-${tool}`, () => this.draw(tool));
+    for (const tool of ['wall', 'room', 'area'] as const) bind(`file-${tool}`, () => this.draw(tool));
     bind('file-bitmap', () => {
       this.editing.cancel();
       this.drawing.set('none');
@@ -181,7 +264,7 @@ export class FileEditor {
     });
     if (this.viewOnly) {
       for (const id of [
-        'file-save', 'file-wall', 'file-room', 'file-bitmap', 'file-plan', 'file-region', 'file-model', 'file-test',
+        'file-save', 'file-wall', 'file-room', 'file-bitmap', 'file-plan', 'file-area', 'file-model', 'file-test',
       ]) {
         byId(id).hidden = true;
       }
@@ -242,7 +325,7 @@ export class FileEditor {
     setText(state, shown.testing ? `test${shown.tested ? ` of ${shown.tested}` : ''}` : shown.error ? 'error' : shown.modified ? 'not saved' : 'saved');
     state.className = `badge ${shown.error ? 'lost' : shown.testing ? 'holding' : shown.modified ? 'stalled' : 'moving'}`;
     setText(labelOf('file-test'), shown.testing ? 'End test' : 'Test');
-    byId('file-region').hidden = shown.kind !== 'scenario' || this.viewOnly;
+    byId('file-area').hidden = shown.kind !== 'scenario' || this.viewOnly;
     byId('file-bitmap').hidden = shown.kind === 'scenario' || this.viewOnly;
     byId('file-plan').hidden = shown.kind !== 'world' || this.viewOnly;
     byId('file-model').hidden = shown.kind === 'scenario' || this.viewOnly;
@@ -251,7 +334,7 @@ export class FileEditor {
       button.disabled = !label;
       button.title = label ? `${id === 'undo' ? 'Undo' : 'Redo'} ${label}` : '';
     }
-    this.regions.show(shown.testing ? [] : shown.regions, this.viewOnly);
+    this.areas.show(shown.testing ? {} : shown.members);
     this.showEntities();
     this.showProblems(shown);
     void this.showPanel();
@@ -272,10 +355,12 @@ export class FileEditor {
     setText(byId('entity-count'), String(entities.length));
     byId('entity-list').replaceChildren(
       ...entities.filter(({name, model}) => `${name} ${model}`.toLowerCase().includes(search)).slice(0, 500).map(entity => {
-        const row = make('button', `entity${entity.here ? '' : ' elsewhere'}${entity.name === this.selected ? ' selected' : ''}`);
+        const row = make('button', `entity${entity.here ? '' : ' elsewhere'}${this.selection.has(entity.name) ? ' selected' : ''}`);
         row.append(make('span', '', entity.name), make('span', 'faint', entity.model));
         row.title = placeText(entity.where);
-        row.onclick = () => {
+        row.onclick = event => {
+          if (event.shiftKey || event.ctrlKey || event.metaKey) return this.toggle(entity.name);
+          this.selection.set([]);
           this.select(entity.name);
           this.host.selectName(entity.name, true);
         };
@@ -347,7 +432,15 @@ export class FileEditor {
     const edit = byId('file-edit-model');
     edit.hidden = !model;
     edit.onclick = () => void this.models.openModel(report.model);
-    byId('file-duplicate').hidden = byId('file-rename').hidden = byId('file-delete').hidden = report.refusal !== '' || this.viewOnly || report.shelf;
+    const isLocked = this.viewOnly || report.shelf;
+    const several = this.selection.isSeveral;
+    byId('file-duplicate').hidden = isLocked || (!entity.here && !several);
+    byId('file-rename').hidden = isLocked || !entity.here || several || report.refusal !== '';
+    // A scenario can leave out what its world has.
+    byId('file-delete').hidden = isLocked || (report.refusal !== '' && this.document?.kind !== 'scenario' && !several);
+    byId('file-several').hidden = !several;
+    setText(byId('file-several'), several ? `${this.selection.names.length} selected: they are moved, turned, copied and deleted together` : '');
+    edit.hidden = !model || several;
     if (this.document) this.panel.showEntity(this.document, report);
   }
 
@@ -360,7 +453,7 @@ export class FileEditor {
   private async rename(before: string, after: string): Promise<void> {
     const reply = await this.client.edit('rename', {name: before, to: after});
     if (!reply.done) return;
-    this.selected = after;
+    this.selection.set([after]);
     await this.refresh();
     this.host.selectName(after, false);
   }
@@ -370,35 +463,51 @@ export class FileEditor {
     if (after && after !== this.selected) await this.rename(this.selected, after);
   }
 
-  // A copy beside the selected entity, which is selected then: it is moved, or duplicated again.
+  // Copies beside the selected entities, which are selected then: they are moved, or duplicated again.
   private async duplicate(): Promise<void> {
-    const report = await this.client.ask('entity', {name: this.selected}) as unknown as EntityReport & {done: boolean};
-    if (!report.done) return;
-    const [x, y, z, heading] = report.pose;
-    await this.copy(report.name, [x + BESIDE, y - BESIDE, z, heading]);
+    await this.copy(this.selection.names, ([x, y, z, heading]) => [x + BESIDE, y - BESIDE, z, heading]);
   }
 
+  // With the middle of what was copied at the pointer.
   private async paste(): Promise<void> {
-    const report = await this.client.ask('entity', {name: this.copied}) as unknown as EntityReport & {done: boolean; problem: string};
-    if (!report.done) return toast(`${this.copied} is not in the file any more`, true);
-    const [x, y, z, heading] = report.pose;
     const at = this.pointer && this.scene.floorAt(this.pointer.x, this.pointer.y);
-    await this.copy(report.name, at ? [at.x, at.y, z, heading] : [x + BESIDE, y - BESIDE, z, heading]);
+    await this.copy(this.copied, ([x, y, z, heading], middle) =>
+      at ? [at.x + x - middle.x, at.y + y - middle.y, z, heading] : [x + BESIDE, y - BESIDE, z, heading]);
   }
 
-  private async copy(name: string, pose: number[]): Promise<void> {
-    const reply = await this.client.edit('copy', {name, pose});
-    if (reply.done) toast(`${reply.name} is a copy of ${name}`);
+  private async copy(names: readonly string[], to: (pose: number[], middle: Point) => number[]): Promise<void> {
+    const reports = await Promise.all(names.map(name => this.client.ask('entity', {name})));
+    const missing = reports.findIndex(({done}) => !done);
+    if (missing >= 0) return toast(`${names[missing]} is not in the file any more`, true);
+    const poses = reports.map(report => (report as unknown as EntityReport).pose);
+    const mean = (values: number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
+    const middle = {x: mean(poses.map(([x]) => x)), y: mean(poses.map(([, y]) => y))};
+    const reply = await this.client.edit('together', {
+      edits: names.map((name, i) => ({op: 'copy', name, pose: to(poses[i], middle)})),
+    });
     await this.refresh();
+    if (!reply.done) return;
+    toast(names.length === 1 ? `${reply.names[0]} is a copy of ${names[0]}` : `${names.length} models are copied`);
+    this.selection.set(reply.names);
+    this.applySelection();
   }
 
   async deleteSelected(): Promise<void> {
-    if (!this.selected) return;
-    const reply = await this.client.edit('delete', {name: this.selected});
+    const names = this.selection.names;
+    if (names.length === 0) return;
+    const reply = await this.client.edit('together', {edits: names.map(name => ({op: 'delete', name}))});
     if (!reply.done) return;
-    toast(`${this.selected} is deleted`);
-    this.selected = '';
+    toast(names.length === 1 ? `${names[0]} is deleted` : `${names.length} models are deleted`);
+    this.selection.set([]);
+    this.host.selectName('', false);
     await this.refresh();
+  }
+
+  private async moveTogether(poses: NamedPose[]): Promise<boolean> {
+    const numbers = ({x, y, z, heading}: Pose): number[] => [x, y, z, heading];
+    const reply = await this.client.edit('together', {edits: poses.map(({name, pose}) => ({op: 'set_pose', name, pose: numbers(pose)}))});
+    await this.refresh();
+    return reply.done;
   }
 
   private async save(): Promise<void> {
@@ -416,10 +525,7 @@ export class FileEditor {
   }
 
   private async drawn(tool: DrawTool, from: Point, to: Point): Promise<void> {
-    if (tool === 'region') {
-      this.drawing.set('none');
-      return this.regions.add(from, to);
-    }
+    if (tool === 'area') return this.areas.add(from, to);
     const {thickness, height, door} = this.drawing;
     const model = tool === 'wall' ? wallBetween(from, to, thickness, height) : roomBetween(from, to, thickness, height, door);
     const {x, y, z, heading} = model.pose;

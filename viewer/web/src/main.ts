@@ -41,6 +41,7 @@ export interface Fragment {
   rays?: string;
   tab?: string;  // of the column
   tick?: number;  // a past one
+  camera?: string;  // where it is; none: as usual
   fullQuality?: boolean;
   smooth?: boolean;  // false: bodies are drawn at the poses received, and not on their way there
 }
@@ -54,13 +55,14 @@ export function readFragment(): Fragment {
   if (values.get('rays')) fragment.rays = values.get('rays')!;
   if (values.get('tab')) fragment.tab = values.get('tab')!;
   if (/^\d+$/.test(values.get('tick') ?? '')) fragment.tick = Number(values.get('tick'));
+  if (values.get('camera')) fragment.camera = values.get('camera')!;
   fragment.fullQuality = values.get('quality') === 'full';
   fragment.smooth = values.get('smooth') !== '0';
   fragment.follow = values.get('follow') === '1';
   return fragment;
 }
 
-export function writeFragment(fragment: Fragment): void {
+function fragmentText(fragment: Fragment): string {
   const values = new URLSearchParams();
   if (fragment.robot) values.set('robot', fragment.robot);
   if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
@@ -71,7 +73,12 @@ export function writeFragment(fragment: Fragment): void {
   if (fragment.follow) values.set('follow', '1');
   if (fragment.smooth === false) values.set('smooth', '0');
   if (fragment.fullQuality) values.set('quality', 'full');
-  const text = values.toString();
+  if (fragment.camera) values.set('camera', fragment.camera);
+  return values.toString();
+}
+
+export function writeFragment(fragment: Fragment): void {
+  const text = fragmentText(fragment);
   history.replaceState(null, '', text ? `#${text}` : location.pathname + location.search);
 }
 
@@ -124,6 +131,7 @@ class Viewer {
   private wantedName: string;  // selected as soon as the world has it
   private wantedLevels: string;  // shown as soon as there is a world
   private wantedTick: number | undefined;  // shown as soon as there is a state
+  private wantedCamera: string;  // the same
   private allRays = false;
   private online = false;
   private info: SessionInfo | null = null;
@@ -195,6 +203,7 @@ class Viewer {
     this.allRays = fragment.rays === 'all';
     this.wantedTick = fragment.tick;
     this.wantedLevels = fragment.levels ?? '';
+    this.wantedCamera = fragment.camera ?? '';
     this.scene.levelsChanged = () => this.showLevels();
     if (fragment.tab && isTab(fragment.tab)) this.dock.show(fragment.tab);
     this.scene.following = fragment.follow ?? false;
@@ -252,9 +261,16 @@ class Viewer {
       selectName: (name, center) => {
         const entity = this.run ? findEntity(this.run.world, name) : null;
         this.select(entity);
+        if (!entity) this.wantedName = name;  // the world that has it is on its way
         if (entity && center) this.scene.centerOn(entity);
         this.file?.select(name);
       },
+      markNames: names => {
+        const run = this.run;
+        this.scene.alsoSelected = run ? names.flatMap(name => findEntity(run.world, name) ?? []) : [];
+        if (run?.hasState) this.scene.show(run, this.selected);
+      },
+      run: () => this.run,
     }, viewOnly);
   }
 
@@ -287,6 +303,10 @@ class Viewer {
       this.timeBar.show(this.run);
     }
     this.scene.show(this.run, this.selected);
+    if (first && this.wantedCamera) {
+      this.scene.setCamera(this.wantedCamera);
+      this.wantedCamera = '';
+    }
     this.panel.note(this.run, this.selected);
     this.refresh();
   }
@@ -433,14 +453,35 @@ class Viewer {
   }
 
   private remember(): void {
+    writeFragment(this.fragment());
+  }
+
+  private fragment(): Fragment {
     const name = this.run && this.selected ? nameOf(this.run.world, this.selected) : this.wantedName;
-    writeFragment({
+    return {
       robot: name, view: this.scene.view, levels: this.wantedLevels || (this.scene.levels.choice === this.usualLevels ? '' : this.scene.levels.choice), follow: this.scene.following, rays: this.allRays ? 'all' : '',
       tab: this.dock.tab,
       fullQuality: this.scene.quality.fixed,
       smooth: this.scene.motion.enabled,
       tick: this.timeBar.timeline.inPast ? this.run?.tick ?? this.wantedTick : this.wantedTick,
-    });
+    };
+  }
+
+  // A link to the state, the selection and the view of now, for another browser that reaches this address. A phone offers its
+  // own ways to pass it on.
+  private async share(): Promise<void> {
+    const text = fragmentText({...this.fragment(), ...(this.run?.hasState && !this.file ? {tick: this.run.tick} : {}), camera: this.scene.cameraText});
+    const url = `${location.href.replace(/#.*/, '')}#${text}`;
+    if (matchMedia('(pointer: coarse)').matches && navigator.share) {
+      await navigator.share({title: document.title, url}).catch(() => {});
+      return;
+    }
+    try {
+      await navigator.clipboard.writeText(url);
+      toast('The link is copied: it shows this tick and view');
+    } catch {
+      window.prompt('The link to this tick and view', url);
+    }
   }
 
   private showToggles(): void {
@@ -459,7 +500,8 @@ class Viewer {
   }
 
   private takePicture(): void {
-    save(this.scene.picture(), `${this.fileName()}.png`);
+    const [width = 0, height = 0] = byId<HTMLSelectElement>('picture-size').value.split('x').map(Number);
+    save(this.scene.picture(width, height), `${this.fileName()}.png`);
     toast('The picture is saved');
   }
 
@@ -478,6 +520,7 @@ class Viewer {
     bind('home', () => this.scene.home());
     bind('theme', () => this.toggleTheme());
     bind('picture', () => this.takePicture());
+    bind('share', () => void this.share());
     bind('names', () => {
       this.scene.labels.visible = !this.scene.labels.visible;
       this.changed();

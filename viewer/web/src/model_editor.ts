@@ -169,14 +169,13 @@ export class ModelEditor {
     if (this.report) {
       const {properties, own} = this.report;
       const shown = Object.keys(properties).map(name => ({name, value: own[name] ?? properties[name], own: name in own}));
-      const set = async (property: string, value: string | null): Promise<void> => {
-        await this.change({part: [], action: 'set', property, value});
-      };
+      const set = (property: string, value: string | null): Promise<string> =>
+        this.change({part: [], action: 'set', property, value});
       const help = this.host.help();
       showProperties(byId('model-properties'), shown, help, {
-        types: ['*', type], locked, of: this.report.name, units: this.report, set,
+        types: ['*', type], locked, of: this.report.name, units: this.report, set, changed: () => {},
         ...(type === 'position' ? {controller: stageController(
-          (properties.ctrl ?? '').replace(/^"|"$/g, ''), 'ctrl' in own || !properties.ctrl, locked, help,
+          (properties.ctrl ?? '').replace(/^"|"$/g, ''), this.report.name, 'ctrl' in own || !properties.ctrl, locked, help,
           value => set('ctrl', value))} : {}),
       });
     } else {
@@ -242,12 +241,13 @@ export class ModelEditor {
   }
 
   // True if the file is changed so.
-  private async change(more: object): Promise<boolean> {
-    if (!this.report) return false;
-    const done = (!this.blocksChanged || await this.apply())
-      && (await this.client.edit('change_part', {model: this.report.name, ...more})).done;
-    await this.reload();
-    return done;
+  // Gives the reason of a refusal, else ''. The text of a property that is refused stays in its field.
+  private async change(more: {action: string; [member: string]: unknown}): Promise<string> {
+    if (!this.report) return 'there is no model';
+    if (this.blocksChanged && !await this.apply()) return 'the blocks are refused';
+    const {done, problem} = await this.client.edit('change_part', {model: this.report.name, ...more});
+    if (done || more.action !== 'set') await this.reload();
+    return done ? '' : problem;
   }
 
   private async reload(): Promise<void> {

@@ -36,7 +36,7 @@ const CARRIERS = ['gripper', 'actuator', 'model', 'position'];  // types of mode
 
 export interface PartListHost {
   help(): EditorHelp;
-  change(more: object): Promise<boolean>;
+  change(more: {action: string; [member: string]: unknown}): Promise<string>;  // the reason of a refusal, else ''
   select(path: number[] | null): void;
   pick(picked: ((path: number[]) => void) | null): void;
   setDrawsPart(draws: boolean): void;
@@ -103,7 +103,7 @@ export class PartList {
   private async add(kind: string, more: object): Promise<void> {
     const parent = this.parentPart()?.path ?? [];
     const count = this.partsBelow(parent).length;
-    if (!await this.host.change({part: parent, action: 'add', kind, ...more})) return;
+    if (await this.host.change({part: parent, action: 'add', kind, ...more}) !== '') return;
     const added = [...parent, count];
     if (this.parts.some(({path}) => pathKey(path) === pathKey(added))) this.host.select(added);
   }
@@ -173,9 +173,8 @@ export class PartList {
     const types = part.type === 'sensor' ? ['sensor'] : ['*', part.model ?? part.type];
     showProperties(properties, valuesOf(part.properties), this.host.help(), {
       types, locked, of: path.join('.'), units: this.report ?? {metres: 1, radians: 1},
-      set: async (property, value) => {
-        await this.host.change({part: path, action: 'set', property, value});
-      },
+      set: async (property, value) => this.host.change({part: path, action: 'set', property, value}),
+      changed: () => {},
     });
     row.append(title, ...(part.model === 'gripper' && !locked ? [this.roleRows(part, path)] : []), properties,
                ...(part.parts ?? []).map(inner => this.row(inner, [...path, inner.index])));
@@ -250,6 +249,6 @@ export class PartList {
       return;
     }
     const roles = {[role]: chosen, [other]: second};
-    if (await this.host.change({part: path, action: 'roles', roles})) this.chosen = {};
+    if (await this.host.change({part: path, action: 'roles', roles}) === '') this.chosen = {};
   }
 }

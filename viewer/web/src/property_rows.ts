@@ -1,6 +1,7 @@
 // The properties of an entity, a model, a part or the file, as groups of fields: all that its type has, those that the
 // file gives first.
 import {make, refill} from './dom';
+import {attempt, installFailures, keepFailures} from './failures';
 import type {EditorHelp, HelpRow} from './file_client';
 import {showController, type ControllerTarget} from './controller_form';
 import {fieldOf, helpText, type FileUnits} from './property_fields';
@@ -19,7 +20,9 @@ export interface PropertyTarget {
   of: string;  // whose properties they are
   units: FileUnits;
   controller?: ControllerTarget;  // in place of the field of `ctrl`
-  set(name: string, value: string | null): Promise<void>;  // null: remove it
+  // Gives the reason of a refusal, else ''. null: remove it.
+  set(name: string, value: string | null): Promise<string>;
+  changed(): void | Promise<void>;  // after a change, to show what the file has then
 }
 
 // The groups of the properties that all models have; the properties of a type are a group of its own.
@@ -49,9 +52,11 @@ function line(property: ShownProperty, row: HelpRow | undefined, isGiven: boolea
   box.dataset.name = property.name;
   const label = make('span', 'property-name', property.name);
   label.title = [helpText(row), property.from ? `given at ${property.from}` : ''].filter(Boolean).join('\n');
+  let event: Event | undefined;
+  box.addEventListener('change', each => { event = each; }, {capture: true});
   const set = (value: string): void => {
-    if (value !== '') void target.set(property.name, value);
-    else if (property.own) void target.set(property.name, null);
+    if (value === '' && !property.own) return;
+    void attempt(target.of, event, () => target.set(property.name, value === '' ? null : value));
   };
   const field = fieldOf({
     row, name: property.name, value: property.value, locked: target.locked, units: target.units, colors: help.colors, set,
@@ -95,28 +100,22 @@ function groupsOf(shown: ShownProperty[], known: HelpRow[]): Array<{title: strin
   return groups.filter(({names}) => names.length > 0);
 }
 
-// After a change the form is rebuilt, also if the file has refused it.
+// After a change the form is rebuilt. One that the file has refused stays as it is typed.
 function renewing(parent: HTMLElement, target: PropertyTarget): PropertyTarget {
-  const renew = (): void => {
-    delete parent.dataset.signature;
+  const shown = async (change: Promise<string>): Promise<string> => {
+    const problem = await change;
+    if (problem === '') delete parent.dataset.signature;
+    void target.changed();
+    return problem;
   };
   const {controller} = target;
   return {
     ...target,
-    set: (name, value) => {
-      renew();
-      return target.set(name, value);
-    },
+    set: (name, value) => shown(target.set(name, value)),
     ...(controller ? {controller: {
       ...controller,
-      choose: (name: string | null) => {
-        renew();
-        return controller.choose(name);
-      },
-      set: (parameter: string, value: unknown) => {
-        renew();
-        return controller.set(parameter, value);
-      },
+      choose: (name: string | null) => shown(controller.choose(name)),
+      set: (parameter: string, value: unknown) => shown(controller.set(parameter, value)),
     }} : {}),
   };
 }
@@ -135,6 +134,12 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
   if (isInside && active instanceof HTMLInputElement && (active.dataset.shown ?? active.value) !== active.value) return;
   const signature = JSON.stringify([shown, target.types, target.locked, target.units, target.controller?.shown, help.properties.length]);
   if (parent.dataset.signature === signature && parent.dataset.of === target.of) return;
+  if (parent.dataset.of === undefined) {
+    installFailures(parent, () => parent.dataset.of ?? '', () => {
+      delete parent.dataset.signature;
+      void target.changed();
+    });
+  }
   Object.assign(parent.dataset, {signature, of: target.of});
   const focused = isInside ? [active.dataset.property, active.dataset.element, active.dataset.parameter] : null;
   // The selection of a number field has no other access.
@@ -173,6 +178,7 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
     return box;
   });
   refill(parent, boxes.filter(box => box.childElementCount > 1));
+  keepFailures(parent, target.of);
   if (!focused) return;
   const again = [...parent.querySelectorAll<HTMLElement>('[data-property], [data-parameter]')].find(
     each => [each.dataset.property, each.dataset.element, each.dataset.parameter].every((value, i) => value === focused[i]));

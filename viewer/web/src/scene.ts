@@ -15,7 +15,8 @@ import {makeGraphics, Quality} from './graphics';
 import {Levels, planesOf} from './levels';
 import {Motion, Trails} from './motion';
 import type {Pose, World} from './protocol';
-import {isAway, poseOf, toMatrix, type Entity, type Run} from './run';
+import {findEntity, isAway, poseOf, toMatrix, type Entity, type Run} from './run';
+import {Rings, type Ringed} from './rings';
 import {Rays, SensorMarks} from './sensor_marks';
 import {Ground, StaticMap} from './static_map';
 import {Surfaces} from './surfaces';
@@ -37,7 +38,6 @@ const LOW_VIEW = 0.92;  // rad from above, of the whole world in the orbit view
 const HIGH_VIEW = 0.5;  // the same in a picture that would be empty above and below the world
 const FILLED = 0.72;  // of the picture's height, with which it is not
 const RING_WIDTH = 3;  // px, of the mark of the selection
-const RING_PARTS = 48;
 const TURN = 0.09;  // rad of the camera for a key
 const SHIFT = 0.06;  // of the picture's height, the same
 const GROUND_LAYER = 1;  // that of three.js in which the ground is, and nothing else
@@ -67,9 +67,8 @@ export class WorldScene {
   private readonly rays = new Rays();
   private readonly marks = new SensorMarks();
   private readonly goals = new GoalMarks();
-  private readonly ring = new Mesh(
-    new RingGeometry(1, 1.1, RING_PARTS), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
-  private ringRadius = 1;  // m
+  private readonly rings = new Rings(RING_WIDTH);  // of the selection
+  private readonly ghostRings = new Rings(RING_WIDTH);  // where what is dragged with the ghost would be
   private readonly ghost = new Mesh(
     new RingGeometry(0.86, 1, 48), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
   private readonly raycaster = new Raycaster();
@@ -87,6 +86,7 @@ export class WorldScene {
   leastReach = 0;
   chosenPlace: (point: Vector3) => Vector3 = point => point;
   ghostMoved: (pose: Pose | null) => void = () => {};
+  alsoSelected: Entity[] = [];  // with the one that is
   readonly quality: Quality;
 
   // `full`: everything is drawn, however slow that is.
@@ -105,12 +105,10 @@ export class WorldScene {
     for (const camera of [this.perspective, this.orthographic]) camera.layers.enableAll();
     this.scene.add(
       ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.zones.group,
-      this.traffic.group,
-      this.ring, this.ghost);
-    this.ring.visible = false;
+      this.traffic.group, this.rings.group, this.ghostRings.group, this.ghost);
     this.ghost.visible = false;
     this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
-    for (const mark of [this.ring, this.ghost]) mark.renderOrder = 2;
+    this.ghost.renderOrder = 2;
     this.perspective.up.set(0, 0, 1);
     this.orthographic.up.set(0, 1, 0);
     this.orbit = new OrbitControls(this.perspective, this.renderer.domElement);
@@ -206,6 +204,7 @@ export class WorldScene {
     for (const part of [map, bodies, ground]) part.dispose();
     this.setting = null;
     this.run = this.drawn = null;
+    this.alsoSelected = [];
     this.labels.clear();
     this.invalidate();
   }
@@ -235,14 +234,16 @@ export class WorldScene {
     this.marks.show(run);
     this.zones.show(run);
     this.traffic.show(run);
-    const placed = selected ? poseOf(run, selected) : null;
-    const pose = placed && !isAway(placed) ? placed : null;
-    this.ring.visible = pose !== null;
-    if (pose && selected) {
-      const radius = this.setting.bodies.radiusOf(selected);
-      this.ring.position.set(pose.x, pose.y, pose.z + 0.01);
-      this.ringRadius = 1.12 * radius;
-    }
+    const poseIn = (entity: Entity): Pose | null => {
+      const placed = poseOf(run, entity);
+      return placed && !isAway(placed) ? placed : null;
+    };
+    const pose = selected ? poseIn(selected) : null;
+    const {bodies} = this.setting;
+    this.rings.show([...(selected ? [selected] : []), ...this.alsoSelected].flatMap((entity): Ringed[] => {
+      const at = poseIn(entity);
+      return at ? [{pose: at, radius: bodies.radiusOf(entity)}] : [];
+    }));
     this.follow(pose);
     this.invalidate();
   }
@@ -331,7 +332,8 @@ export class WorldScene {
 
   applyTheme(): void {
     this.scene.background = colorOf('--sky');
-    this.ring.material.color = colorOf('--accent');
+    this.rings.setColor(colorOf('--accent'));
+    this.ghostRings.setColor(colorOf('--accent'));
     this.ghost.material.color = colorOf('--accent');
     this.rays.setColor(colorOf('--rays'));
     this.traffic.setColors(colorOf('--stalled'), colorOf('--lost'));
@@ -375,6 +377,11 @@ export class WorldScene {
     return point && this.chosenPlace(point.sub(this.levels.levelAtDrawn(point).shift));
   }
 
+  placeOfName(name: string): {x: number; y: number} | null {
+    const entity = this.run ? findEntity(this.run.world, name) : null;
+    return entity && this.placeOf(entity);
+  }
+
   // Where an entity is on the window.
   placeOf(entity: Entity): {x: number; y: number} | null {
     const pose = this.run ? poseOf(this.run, entity) : null;
@@ -411,30 +418,63 @@ export class WorldScene {
     this.invalidate();
   }
 
+  // The places of others that are dragged with it.
+  showGhostRings(ringed: Ringed[]): void {
+    this.ghostRings.show(ringed);
+    this.invalidate();
+  }
+
   // The present picture, to the size of the canvas.
   drawInto(context: CanvasRenderingContext2D): void {
     this.draw();
     context.drawImage(this.canvas, 0, 0, context.canvas.width, context.canvas.height);
   }
 
-  picture(): string {
+  // PNG, of the size of the window or, with `width` and `height`, of so many pixels.
+  picture(width = 0, height = 0): string {
+    if (width > 0) {
+      this.renderer.setPixelRatio(1);
+      this.setSize(width, height);
+    }
     this.draw();
-    return this.canvas.toDataURL('image/png');
+    const data = this.canvas.toDataURL('image/png');
+    if (width > 0) {
+      this.applyQuality();
+      this.setSize(this.parent.clientWidth, this.parent.clientHeight);
+    }
+    return data;
   }
 
-  // The mark of the selection is equally wide on the screen for all sizes and distances.
-  private fitRing(): void {
-    if (!this.ring.visible) return;
-    const width = RING_WIDTH * this.pixelAt(this.ring.position);
-    const {innerRadius, outerRadius} = this.ring.geometry.parameters;
-    const same = (a: number, b: number): boolean => Math.abs(a - b) < 0.05 * b;
-    if (same(innerRadius, this.ringRadius) && same(outerRadius - innerRadius, width)) return;
-    this.ring.geometry.dispose();
-    this.ring.geometry = new RingGeometry(this.ringRadius, this.ringRadius + width, RING_PARTS);
+  // Where the camera is and looks at, as a text for an address.
+  get cameraText(): string {
+    const {target} = this.view === 'orbit' ? this.orbit : this.top;
+    const {x, y, z} = this.perspective.position;
+    const numbers = this.view === 'orbit' ? [x, y, z, target.x, target.y, target.z] : [target.x, target.y, this.orthographic.zoom];
+    return numbers.map(value => Number(value.toFixed(3))).join(',');
+  }
+
+  // From such a text; another one changes nothing.
+  setCamera(text: string): void {
+    const numbers = text.split(',').map(Number);
+    if (numbers.length !== (this.view === 'orbit' ? 6 : 3) || !numbers.every(Number.isFinite)) return;
+    const [x, y, z, ...to] = numbers;
+    if (this.view === 'orbit') {
+      this.perspective.position.set(x, y, z);
+      this.orbit.target.set(to[0], to[1], to[2]);
+      this.orbit.update();
+    } else {
+      this.top.target.set(x, y, 0);
+      this.orthographic.position.set(x, y, 1000);
+      this.orthographic.zoom = Math.max(1e-3, z);
+      this.orthographic.updateProjectionMatrix();
+      this.top.update();
+    }
+    this.framed = false;
+    this.invalidate();
   }
 
   // The length of a pixel at a point, m.
-  private pixelAt(point: Vector3): number {
+  pixelAt(point: {x: number; y: number; z: number}): number {
     const {top, bottom, zoom} = this.orthographic;
     const height = this.view === 'top' ? (top - bottom) / zoom
       : 2 * Math.tan((this.perspective.fov * Math.PI) / 360) * this.perspective.position.distanceTo(this.drawnPlace(point));
@@ -443,7 +483,7 @@ export class WorldScene {
 
   private draw(): void {
     this.dirty = false;
-    this.fitRing();
+    for (const rings of [this.rings, this.ghostRings]) rings.fit(point => this.pixelAt(point));
     if (this.levels.areStacked) this.renderer.render(this.scene, this.camera);
     else this.drawLevels();
     this.labels.place(this.drawn, this.bodies, this.camera, this.selected, this.levels);
@@ -595,15 +635,19 @@ export class WorldScene {
   }
 
   private resize(): void {
-    const width = Math.max(1, this.parent.clientWidth);
-    const height = Math.max(1, this.parent.clientHeight);
+    this.setSize(Math.max(1, this.parent.clientWidth), Math.max(1, this.parent.clientHeight));
+    if (this.framed) this.home();
+    this.invalidate();
+  }
+
+  // Of the picture, px.
+  private setSize(width: number, height: number): void {
     this.renderer.setSize(width, height);
     this.labels.setSize(width, height);
     this.perspective.aspect = width / height;
     this.perspective.updateProjectionMatrix();
     Object.assign(this.orthographic, {left: (-10 * width) / height, right: (10 * width) / height, top: 10, bottom: -10});
     this.orthographic.updateProjectionMatrix();
-    if (this.framed) this.home();
     this.invalidate();
   }
 }

@@ -14,6 +14,7 @@ export class WaypointDrawing {
   private points: Vector3[] = [];
   private start: Vector3 | null = null;
   private done: ((waypoints: Waypoints) => void) | null = null;
+  private isSingle = false;
   private readonly line = new Line(new BufferGeometry(), new LineBasicMaterial({color: 0xe0602c, depthTest: false}));
 
   constructor(private readonly scene: WorldScene) {
@@ -25,14 +26,15 @@ export class WaypointDrawing {
     window.addEventListener('pointermove', event => this.onMove(event), {capture: true});
   }
 
-  // `from`: the place of the robot.
-  begin(from: [number, number], done: (waypoints: Waypoints) => void): void {
+  // `from`: the place of the robot. `single`: one click ends.
+  begin(from: [number, number], done: (waypoints: Waypoints) => void, single = false): void {
+    this.isSingle = single;
     this.start = new Vector3(...from, HEIGHT);
     this.points = [];
     this.done = done;
     this.show(null);
     byId('hint').hidden = false;
-    byId('hint').textContent = HINT;
+    byId('hint').textContent = single ? 'Click the point. Escape gives up.' : HINT;
     this.scene.canvas.classList.add('aiming');
     byId('scene').focus({preventScroll: true});
   }
@@ -64,6 +66,7 @@ export class WaypointDrawing {
     const at = this.scene.floorAt(event.clientX, event.clientY);
     if (!at) return;
     this.points.push(new Vector3(at.x, at.y, HEIGHT));
+    if (this.isSingle) return this.end(true);
     this.show(null);
   }
 

@@ -237,15 +237,27 @@ TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
   const EditedEntity* const left = editor->world()->Find("left");
   ASSERT_NE(left, nullptr);
   EXPECT_NEAR(PoseInWorld(editor->world()->loaded.world, left->model).x, -8.0, 1e-6);
-  EXPECT_NE(Refused(*editor, {{"op", "delete"}, {"name", "left"}}).find("yard.world:2"), std::string::npos);
+  // Models of the world and of rules are left out; they have no entry that could be deleted.
+  EXPECT_NE(Refused(*editor, {{"op", "copy"}, {"name", "left"}, {"pose", {0, 0, 0, 0}}}).find("yard.world:2"),
+            std::string::npos);
+  Applied(*editor, {{"op", "delete"}, {"name", "left"}});
+  EXPECT_EQ(editor->world()->Find("left"), nullptr);
+  EXPECT_EQ(Json::parse(editor->text())["without"], Json::parse(R"(["left"])"));
+  Applied(*editor, {{"op", "undo"}});
 
-  Applied(*editor, {{"op", "set_region"}, {"rule", {{"model", "crate"}, {"count", 2}, {"region", {20, 20, 30, 30}}}}});
+  const auto set_value = [](const Json& path, const Json& value) {
+    return Json{{"op", "set_value"}, {"path", path}, {"value", value}};
+  };
+  Applied(*editor, set_value({"spawn", 0}, {{"model", "crate"}, {"count", 2}, {"region", {20, 20, 30, 30}}}));
+  EXPECT_NE(editor->text().find("\"spawn\": [\n    {"), std::string::npos) << editor->text();
   EXPECT_NE(Refused(*editor, {{"op", "set_pose"}, {"name", "crate0"}, {"pose", {0, 0, 0, 0}}}).find("spawn"),
             std::string::npos);
-  Refused(*editor, {{"op", "set_region"}, {"index", 0}, {"rule", {{"count", -1}}}});
-  Applied(*editor, {{"op", "set_member"}, {"key", "seed"}, {"value", 7}});
-  Refused(*editor, {{"op", "set_member"}, {"key", "seed"}, {"value", "seven"}});
-  Applied(*editor, {{"op", "set_region"}, {"index", 0}, {"rule", nullptr}});
+  Refused(*editor, set_value({"spawn", 0, "count"}, -1));
+  Refused(*editor, set_value({"spawn", 5, "count"}, 1));
+  Applied(*editor, set_value(Json::array({"seed"}), 7));
+  Refused(*editor, set_value(Json::array({"seed"}), "seven"));
+  EXPECT_EQ(Applied(*editor, {{"op", "document"}})["members"]["spawn"][0]["count"], 2);
+  Applied(*editor, set_value({"spawn", 0}, nullptr));
   // A wall with blocks is a child of the entry.
   const Json blocks = {{{"outline", {{-1, -1}, {1, -1}, {1, 1}}}, {"z", {0, 1}}}};
   const Json added =
@@ -253,6 +265,56 @@ TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
   EXPECT_NE(editor->world()->Find(added["name"]), nullptr);
   Applied(*editor, {{"op", "save"}});
   EXPECT_TRUE(LoadWorld(folder / "s.json").ok());
+}
+
+// A robot of the scenario's world has what an entry of `robots` gives it.
+TEST(EditorTest, AScenarioChangesTheRobotsOfItsWorld) {
+  const test::TemporaryFolder folder;
+  folder.Write("yard.world",
+               "position ( name \"rover\" pose [0 0 0 0] ctrl \"wander\" )\nposition ( name \"other\" pose [2 0 0 0] )\n");
+  const auto editor = OpenedEditor(folder.Write("s.json", "{\n  \"world\": \"yard.world\"\n}\n"));
+  const Json before = Applied(*editor, {{"op", "entity"}, {"name", "rover"}});
+  EXPECT_EQ(before["refusal"], "");
+  EXPECT_EQ(before["controller"]["own"], false);
+  Applied(*editor, {{"op", "set_value"}, {"name", "rover"}, {"path", Json::array({"controller"})}, {"value", "idle"}});
+  EXPECT_EQ(Json::parse(editor->text())["robots"], Json::parse(R"([{"name": "rover", "controller": "idle"}])"));
+  Applied(*editor, {{"op", "set_property"}, {"name", "other"}, {"property", "color"}, {"value", "\"red\""}});
+  Applied(*editor, {{"op", "set_pose"}, {"name", "rover"}, {"pose", {1, 1, 0, 0}}});
+  EXPECT_EQ(Json::parse(editor->text())["robots"],
+            Json::parse(R"([{"name": "rover", "controller": "idle", "pose": [1, 1, 0]},
+                            {"name": "other", "properties": {"color": "red"}}])"));
+  EXPECT_EQ(Applied(*editor, {{"op", "entity"}, {"name", "rover"}})["controller"]["own"], true);
+  Refused(*editor, {{"op", "rename"}, {"name", "rover"}, {"to", "r2"}});
+}
+
+TEST(EditorTest, SeveralEditsAreOneOrNone) {
+  const test::TemporaryFolder folder;
+  const std::string text =
+      "model ( name \"a\" pose [0 0 0 0] )\nmodel ( name \"b\" pose [1 0 0 0] )\nmodel ( name \"c\" pose [2 0 0 0] )\n";
+  const auto editor = OpenedEditor(folder.Write("three.world", text));
+  const Json move = {{"op", "set_pose"}, {"name", "a"}, {"pose", {0, 1, 0, 0}}};
+  const Json other = {{"op", "set_pose"}, {"name", "b"}, {"pose", {1, 1, 0, 0}}};
+  Applied(*editor, {{"op", "together"}, {"edits", {move, other}}});
+  const Json document = Applied(*editor, {{"op", "document"}});
+  EXPECT_EQ(document["undo"], "the move of 2 models");
+  EXPECT_EQ(editor->text(), WithPart(WithPart(text, "[0 0 0 0]", "[0 1 0 0]"), "[1 0 0 0]", "[1 1 0 0]"));
+  Applied(*editor, {{"op", "undo"}});
+  EXPECT_EQ(editor->text(), text);
+  EXPECT_EQ(Applied(*editor, {{"op", "document"}})["undo"], "");
+
+  // The one that is refused takes the others with it, and what was undone can be redone.
+  Refused(*editor, {{"op", "together"}, {"edits", {move, {{"op", "delete"}, {"name", "nothing"}}}}});
+  EXPECT_EQ(Applied(*editor, {{"op", "document"}})["redo"], "the move of 2 models");
+  EXPECT_NEAR(PoseInWorld(editor->world()->loaded.world, editor->world()->Find("a")->model).y, 0.0, 1e-9);
+  Refused(*editor, {{"op", "together"}, {"edits", Json::array({Json{{"op", "save"}}})}});
+  Refused(*editor, {{"op", "together"}, {"edits", Json::array()}});
+
+  const Json copies = {{{"op", "copy"}, {"name", "a"}, {"pose", {5, 0, 0, 0}}},
+                       {{"op", "copy"}, {"name", "b"}, {"pose", {6, 0, 0, 0}}}};
+  EXPECT_EQ(Applied(*editor, {{"op", "together"}, {"edits", copies}})["names"], Json({"a1", "b1"}));
+  Applied(*editor, {{"op", "together"},
+                    {"edits", {{{"op", "delete"}, {"name", "a1"}}, {{"op", "delete"}, {"name", "b1"}}}}});
+  EXPECT_EQ(editor->text(), text);
 }
 
 // Files that people have written: one robot is moved, and all other bytes stay.

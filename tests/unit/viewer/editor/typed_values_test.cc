@@ -24,7 +24,9 @@ const char* const kScenario = R"({
 )";
 
 Json Member(const std::string& name, const Json& inside, const std::string& key, const Json& value) {
-  return {{"op", "set_member"}, {"name", name}, {"inside", inside}, {"key", key}, {"value", value}};
+  Json path = inside;
+  path.push_back(key);
+  return {{"op", "set_value"}, {"name", name}, {"path", path}, {"value", value}};
 }
 
 TEST(TypedValuesTest, AParameterOfAScenariosControllerChangesItsBytesAlone) {
@@ -51,7 +53,7 @@ TEST(TypedValuesTest, AParameterOfAScenariosControllerChangesItsBytesAlone) {
   EXPECT_NE(Refused(*editor, Member("a", {"controller", "parameters"}, "speed", -1)).find("the number -1 as 'speed'"),
             std::string::npos);
   Refused(*editor, Member("a", {"controller", 7}, "speed", 1));
-  Refused(*editor, Member("a", {"a", "b", "c", "d", "e"}, "speed", 1));
+  Refused(*editor, Member("a", Json(std::vector<std::string>(12, "a")), "speed", 1));
   Json deep = 1;
   for (int i = 0; i < 100; ++i) deep = Json::array({std::move(deep)});
   EXPECT_NE(Refused(*editor, Member("a", Json::array(), "controller", deep)).find("deep"), std::string::npos);

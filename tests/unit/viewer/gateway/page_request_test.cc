@@ -263,11 +263,10 @@ TEST(PageRequestTest, EditsBecomeTypedOperations) {
   EXPECT_EQ(shape.part, (PartPath{0, 2}));
   EXPECT_EQ(shape.shape.limits, (std::vector<double>{0.0, 1.0}));
   EXPECT_FALSE(shape.shape.is_only_pose());
-  const EditOperation region = test::ValueOf(
-      Decoded({{"op", "set_region"}, {"rule", {{"count", 2}, {"model", "m"}, {"region", {0, 0, 1, 1}}, {"seed", 3}}}}));
-  std::string members;
-  for (const auto& [key, value] : *std::get<edit::SetRegion>(region).rule) members += key + "=" + value + ";";
-  EXPECT_EQ(members, "model=\"m\";count=2;region=[0, 0, 1, 1];seed=3;");
+  const EditOperation value = test::ValueOf(
+      Decoded({{"op", "set_value"}, {"path", {"spawn", 1}}, {"value", {{"count", 2}, {"region", {0, 0, 1, 1}}}}}));
+  EXPECT_EQ(std::get<edit::SetValue>(value).path, (JsonPath{"spawn", std::size_t{1}}));
+  EXPECT_EQ(std::get<edit::SetValue>(value).value, R"({"count": 2, "region": [0, 0, 1, 1]})");
 }
 
 // They are answered, unlike a text that is no request.
@@ -299,7 +298,10 @@ TEST(PageRequestTest, MalformedEditsHaveTheirReason) {
           {R"("draw_bitmap", "name": "a", "tool": "spray")", "found the tool 'spray', expected line, frame or filled"},
           {R"("create_bitmap", "file": "a.png", "size": [1, 1, 1], "pixel": 0, "pose": [0, 0, 0, 0])",
            "found the number 0 as 'pixel', expected a number between 0.001 and 1000000"},
-          {R"("set_region", "rule": null)", "found no 'rule', expected an object"}}) {
+          {R"("set_value", "value": 1)", "found no 'path', expected a list of keys and indices"},
+          {R"("set_value", "path": ["a", -1], "value": 1)", "found the number -1 as 'path[1]', expected a whole number"},
+          {R"("together", "edits": [{"op": "save"}])",
+           "found the operation 'save' among several, expected set_pose, delete or copy"}}) {
     EXPECT_EQ(EditError(members), reason) << members;
   }
 }

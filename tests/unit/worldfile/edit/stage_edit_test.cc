@@ -236,6 +236,25 @@ TEST(JsonEditTest, OneElementOfAnArrayChangesAlone) {
   EXPECT_EQ(WithMember(kScenario, root.Find("robots")->items[0], "pose", "[-8, 0, 0]"), kScenario);
 }
 
+TEST(JsonEditTest, AValueIsSetAtItsPath) {
+  const auto with = [](const std::string& text, const JsonPath& path, const std::optional<std::string>& value) {
+    const Result<std::string> changed = WithValueAt(text, ReadJson(text), path, value);
+    return changed.ok() ? changed.value() : changed.error().message;
+  };
+  const std::size_t first = 0;
+  const std::size_t second = 1;
+  EXPECT_EQ(with(R"({"a": [{"b": 1}]})", {"a", first, "b"}, "2"), R"({"a": [{"b": 2}]})");
+  EXPECT_EQ(with(R"({"a": [{"b": 1}]})", {"a", second}, "3"), R"({"a": [{"b": 1}, 3]})");
+  EXPECT_EQ(with(R"({"a": [1, 2]})", {"a", first}, std::nullopt), R"({"a": [2]})");
+  EXPECT_EQ(with(R"({"a": {"b": 1}})", {"a", "c", "d"}, "5"), R"({"a": {"b": 1, "c": {"d": 5}}})");
+  // What is missing is made, an entry of a list of the file on a line of its own.
+  EXPECT_EQ(with("{\n  \"a\": 1\n}", {"p", first, "n"}, "5"), "{\n  \"a\": 1,\n  \"p\": [\n    {\"n\": 5}\n  ]\n}");
+  EXPECT_EQ(with(R"({"a": 1})", {"b", "c"}, std::nullopt), R"({"a": 1})");
+  // Steps that lead nowhere.
+  EXPECT_EQ(with(R"({"a": 1})", {"a", "b"}, "5"), "found the number 1, expected an object with b");
+  EXPECT_EQ(with(R"({"a": [1]})", {"a", std::size_t{7}}, "5"), "found an array of 1, expected a list with an element 7");
+}
+
 TEST(JsonEditTest, MembersAndElementsAreAddedInTheFormOfTheOthers) {
   const JsonNode root = ReadJson(kScenario);
   const JsonNode& robots = *root.Find("robots");
