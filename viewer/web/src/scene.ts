@@ -20,6 +20,8 @@ import {Rays, SensorMarks} from './sensor_marks';
 import {Ground, StaticMap} from './static_map';
 import {Surfaces} from './surfaces';
 import {TrafficMarks} from './traffic_marks';
+import {VehicleMarks} from './vehicle_marks';
+import type {VehicleState} from './vehicles';
 
 export type ViewName = 'orbit' | 'top';
 
@@ -50,6 +52,7 @@ export class WorldScene {
   readonly labels: Labels;
   readonly trails = new Trails();
   readonly traffic = new TrafficMarks();
+  readonly vehicle = new VehicleMarks();
   readonly motion = new Motion();
   view: ViewName = 'orbit';
   following = false;
@@ -103,6 +106,7 @@ export class WorldScene {
     for (const camera of [this.perspective, this.orthographic]) camera.layers.enableAll();
     this.scene.add(
       ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.traffic.group,
+      this.vehicle.group,
       this.ring, this.ghost);
     this.ring.visible = false;
     this.ghost.visible = false;
@@ -219,6 +223,11 @@ export class WorldScene {
     this.place();
   }
 
+  // The vehicle of VDA 5050 whose way is shown; null: none.
+  setVehicle(robot: number, state: VehicleState | null): void {
+    if (this.vehicle.set(robot, state)) this.invalidate();
+  }
+
   // Puts everything where it is drawn now.
   private place(): void {
     if (!this.setting || !this.run) return;
@@ -231,6 +240,7 @@ export class WorldScene {
     this.rays.show(run, this.setting.bodies);
     this.marks.show(run);
     this.traffic.show(run);
+    this.vehicle.show(run);
     const pose = selected ? poseOf(run, selected) : null;
     this.ring.visible = pose !== null;
     if (pose && selected) {

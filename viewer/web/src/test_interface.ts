@@ -30,6 +30,8 @@ export interface TestInterface {
   goals(): Array<{robot: string; to: number[]; way: number}>;
   // The traffic that is drawn: the robots whose ways are, and the arrows.
   traffic(): {ways: string[]; waits: Array<{robot: string; thing: string; ring: boolean}>};
+  // The nodes of the selected vehicle's order that are drawn.
+  vehicleMarks(): {base: string[]; horizon: string[]};
   // The names by index.
   names(): {models: string[]; robots: string[]};
   // Whether each light is lit, by the name of its model.
@@ -123,6 +125,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
         })),
       };
     },
+    vehicleMarks: () => ({base: scene.vehicle.base, horizon: scene.vehicle.horizon}),
     names: () => {
       const world = host.run()?.world;
       return {models: world?.models.map(({name}) => name) ?? [], robots: world?.robots.map(({name}) => name) ?? []};
