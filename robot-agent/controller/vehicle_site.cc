@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "common/spatial/scene.h"
 #include "robot-agent/controller/vehicle_readings.h"
@@ -78,15 +79,25 @@ void VehicleSite::FindDoorways() {
   }
   for (std::size_t i = 0; i < world.doors.size(); ++i) {
     if (is_of_lift[i]) continue;
-    Doorway doorway{i, {}};
+    // Two leaves do not quite meet: from the one end of them all to the other.
+    std::vector<Vec2> ends;
     for (const DoorLeaf& leaf : world.doors[i].leaves) {
       const Rectangle box = BoxOf(*around_, around_->scene.body_of(leaf.object));
       if (box.empty()) continue;
       const Transform2 X_WH(leaf.X_WH);
       const double middle = 0.5 * (box.min_y + box.max_y);
-      doorway.leaves.emplace_back(X_WH * Vec2(box.min_x, middle), X_WH * Vec2(box.max_x, middle));
+      ends.push_back(X_WH * Vec2(box.min_x, middle));
+      ends.push_back(X_WH * Vec2(box.max_x, middle));
     }
-    doorways_->push_back(std::move(doorway));
+    Doorway doorway;
+    doorway.door = i;
+    for (const Vec2& a : ends) {
+      for (const Vec2& b : ends) {
+        if ((b - a).norm() > (doorway.right - doorway.left).norm())
+          std::tie(doorway.left, doorway.right) = std::tie(a, b);
+      }
+    }
+    doorways_->push_back(doorway);
   }
 }
 
@@ -94,12 +105,8 @@ std::vector<LaneDoor> VehicleSite::DoorsOn(const Vec2& from, const Vec2& to, dou
   std::vector<LaneDoor> doors;
   for (const Doorway& doorway : *doorways_) {
     if (std::fabs(doors_[doorway.door].z - z) >= kLevelGap) continue;
-    for (const auto& [a, b] : doorway.leaves) {
-      const std::optional<double> at = CrossedAt(from, to, a, b);
-      if (!at) continue;
-      doors.push_back({static_cast<std::uint32_t>(doorway.door), *at});
-      break;
-    }
+    const std::optional<double> at = CrossedAt(from, to, doorway.left, doorway.right);
+    if (at) doors.push_back({static_cast<std::uint32_t>(doorway.door), *at});
   }
   std::sort(doors.begin(), doors.end(), [](const LaneDoor& a, const LaneDoor& b) { return a.at < b.at; });
   return doors;

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "robot-agent/controller/site_controls.h"
@@ -42,7 +41,8 @@ class VehicleSite {
  private:
   struct Doorway {
     std::size_t door = 0;
-    std::vector<std::pair<Vec2, Vec2>> leaves;  // closed, from end to end
+    Vec2 left{0.0, 0.0};  // the ends of its closed leaves, W
+    Vec2 right{0.0, 0.0};
   };
 
   void FindDoorways();

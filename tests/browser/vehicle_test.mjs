@@ -1,6 +1,7 @@
 // Vehicles of VDA 5050 on the page: their orders in the panel, on the floor and among the events; people who take them over.
 //   node vehicle_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
 import {mkdirSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
@@ -42,23 +43,25 @@ function order(id, stops, released) {
     orderUpdateId: 0, nodes, edges,
   });
 }
-const send = async (page, id, stops, released) => {
-  const reply = await request(page, 'command_robot', {name: 'cart_1', ticks: 1, messages: [{topic: 'order', text: order(id, stops, released)}]});
-  assert.equal(reply.problem, '');
-};
+const send = (broker, text) => execFileSync('mosquitto_pub', [
+  '-h', broker.hostname, '-p', broker.port, '-t', 'uagv/v2/Troupe/cart_1/order', '-q', '1', '-m', text]);
 
 async function showsVehicles() {
   const run = new Program(troupe, [
     'run', `${source}/worlds/scenarios/vda5050.json`, '--domain', domain, '--session', session, '--paused', '--speed', 'max', '--in-process',
-    '--record', path('run.mcap')]);
+    '--record', path('run.mcap'), '--vda5050', 'local']);
+  const broker = new URL(await run.line('broker: '));
   const page = await pages.openRun(`${await run.line('viewer: ')}#smooth=0&view=top&robot=cart_1`, 1280, 720);
   await step(page, 2);
   await row(page, 'mode', 'AUTOMATIC, stands');
   assert.equal((await rows(page)).order, 'none');
 
-  await send(page, 'tour', [['a', -3, 0], ['b', -3, -2], ['c', 3, -2], ['d', 3, 2]], 3);
-  await step(page, 10);
-  await row(page, 'order', 'tour, update 0');
+  send(broker, order('tour', [['a', -3, 0], ['b', -3, -2], ['c', 3, -2], ['d', 3, 2]], 3));
+  await until('the order has come', async () => {
+    await step(page, 1);
+    return (await rows(page)).order === 'tour, update 0';
+  });
+  await step(page, 2);
   assert.equal((await rows(page)).base, 'b → c');
   assert.equal((await rows(page)).horizon, 'd');
   await until('base and horizon are drawn', async () => {
@@ -102,15 +105,21 @@ async function showsVehicles() {
 
 // The recording of the run before: what was shown at a time is shown again.
 async function showsRecordings() {
-  const view = new Program(troupe, ['view', path('run.mcap'), '--no-browser']);
-  const page = await pages.openRun(`${await view.line('viewer: ')}#smooth=0&view=top&robot=cart_1&tick=8`, 1280, 720);
+  const view = new Program(troupe, ['view', path('run.mcap'), '--listen', '127.0.0.1:0']);
+  const page = await pages.openRun(`${await view.line('viewer: ')}#smooth=0&view=top&robot=cart_1`, 1280, 720);
+  // As a user does: a click on the event goes to its time.
+  const goTo = async text => {
+    await page.click('#tab-events');
+    await page.click(`#event-list .event:has-text("${text}")`);
+    await page.click('#tab-state');
+  };
+  await goTo('order tour accepted');
   await row(page, 'order', 'tour, update 0');
   assert.equal((await rows(page)).horizon, 'd');
-  await page.evaluate(() => window.troupe.events());
-  const blocked = await page.evaluate(() => window.troupe.events().find(({text}) => text.includes('error pathBlocked:')).tick);
-  await page.goto(page.url().replace(/tick=\d+/, `tick=${blocked + 1}`));
-  await page.reload();
+  await goTo('error pathBlocked:');
   await row(page, 'errors', /^pathBlocked/);
+  await goTo('mode MANUAL');
+  await row(page, 'mode', /^MANUAL/);
   pages.expectLossOfGateway(page);
   await page.close();
   await view.stop();

@@ -53,7 +53,7 @@ class Fleet:
         self.simulation.send_message(self.robot, "instantActions", self.header() | {"actions": [action]})
 
     def status(self, identity):
-        return next(each["actionStatus"] for each in self.state["actionStates"] if each["actionId"] == identity)
+        return next((each["actionStatus"] for each in self.state["actionStates"] if each["actionId"] == identity), None)
 
     def opening(self, door):
         doors = self.simulation.table("doors")
@@ -129,11 +129,11 @@ class VehiclesTest(unittest.TestCase):
         fleet.simulation.set_door("lobby_door", 0.0)
         fleet.step(80)
         self.assertEqual(fleet.opening("lobby_door"), 0.0)
-        fleet.order(("start", x, y, "L1"), ("lobby", 3.0, -3.75, "L1"), ("beyond", 5.0, -3.75, "L1"), ("corridor", 7.0, -3.75, "L1"))
-        fleet.until(lambda: fleet.state["lastNodeId"] == "corridor" and fleet.is_done)
+        fleet.order(("start", x, y, "L1"), ("lobby", 3.0, -3.75, "L1"), ("L1.24", 5.0, -3.75, "L1"), ("lift_lobby", 10.0, -3.75, "L1"))
+        fleet.until(lambda: fleet.state["lastNodeId"] == "lift_lobby" and fleet.is_done)
         self.assertEqual(fleet.state["errors"], [])
         self.assertFalse(any("error" in line for line in fleet.news), fleet.news)
-        fleet.step(200)  # it is closed behind the vehicle
+        fleet.step(60)  # it is closed behind the vehicle
         self.assertEqual(fleet.opening("lobby_door"), 0.0)
 
     def test_lift(self):
