@@ -122,7 +122,7 @@ class Warehouse:
             # Ways across both roads, between racks.
             crossings = [(self.columns // 4 + 0.5) * STEP, (3 * self.columns // 4 + 0.5) * STEP]
             content["people"] = [
-                {"count": people // 2 + (people % 2) * (i == 0), "name_prefix": f"picker_{i + 1}", "region": [x - 1, 1, x + 1, 2],
+                {"count": people // 2 + (people % 2) * (i == 0), "name_prefix": f"picker{i + 1}_", "region": [x - 1, 1, x + 1, 2],
                  "goals": [[x, -4], [x, 1.5], [x, ROWS * STEP - 1.5], [x, ROWS * STEP + 4]], "wait": [20, 90], "radius": 0.2}
                 for i, x in enumerate(crossings)]
         return content
