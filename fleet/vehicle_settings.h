@@ -19,7 +19,7 @@ struct VehicleSettings {
   Version version = Version::k2_1;
   std::int64_t epoch_ms = 0;  // the time of tick 0, in milliseconds since 1970-01-01 (UTC)
 
-  std::string map = "map";              // the frame W, as orders name it
+  std::string map;                      // the frame W, as orders name it; empty: the level of a building, or "map"
   double speed = 1.0;                   // m/s, on edges without a speed
   double turn_rate = 0.8;               // rad/s
   double tolerance = 0.1;               // m: of nodes without a deviation, and of the first node of an order

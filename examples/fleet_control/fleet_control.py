@@ -251,7 +251,7 @@ class Connection:
         url = urllib.parse.urlsplit(arguments.broker)
         if url.scheme not in ("mqtt", "mqtts") or not url.hostname:
             raise ValueError(f"found the broker '{arguments.broker}', expected mqtt://HOST[:PORT] or mqtts://HOST[:PORT]")
-        self.client, self.came = mqtt.Client(), 0
+        self.client, self.came, self.patience = mqtt.Client(), 0, arguments.patience
         self.client.on_connect = lambda client, *_: client.subscribe([(f"{arguments.interface}/+/+/+/{topic}", 1)
                                                                       for topic in ("connection", "factsheet", "state")])
         self.client.on_message = self._on_message
@@ -275,9 +275,10 @@ class Connection:
                 self.client.reconnect()
             except OSError:
                 pass
-        # What comes without a pause is one situation.
+        # What comes without a pause is one situation, but many fast vehicles never make one.
         end = time.monotonic() + SETTLED_SECONDS
-        while self.came and time.monotonic() < end and self.came < 10_000:
+        latest = time.monotonic() + self.patience
+        while self.came and time.monotonic() < min(end, latest):
             before = self.came
             self.client.loop(SETTLED_SECONDS)
             if self.came > before:
@@ -320,6 +321,8 @@ def parse():
     parser.add_argument("--clearance", type=float, default=1.0, metavar="M", help="between vehicles (default: 1 m)")
     parser.add_argument("--steps", type=int, default=2, metavar="N", help="nodes that are released ahead (default: 2)")
     parser.add_argument("--horizon", type=int, default=3, metavar="N", help="nodes that are shown behind these (default: 3)")
+    parser.add_argument("--patience", type=float, default=0.5, metavar="S",
+                        help="decide after that time even if messages keep coming (default: 0.5 s)")
     parser.add_argument("--load-type", default="load", help="of pick and drop")
     return parser.parse_args()
 

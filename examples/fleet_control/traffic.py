@@ -1,8 +1,9 @@
 """Which vehicle may go on: parts of the layout are held by one vehicle at a time, and never so that vehicles wait for each other.
 
 Each vehicle has a home that no other vehicle's route passes, and a route that ends there. A further part is granted if no other
-vehicle is on a part in conflict with it, and if afterwards the vehicles could still come home one after another, in some order (the
-banker's algorithm of Dijkstra, for parts instead of money). So there is always a vehicle that may go on.
+vehicle is on a part in conflict with it, and if afterwards there is still an order of moves by which all vehicles come home (the
+banker's algorithm of Dijkstra, for parts instead of money, in steps from node to node). That order is kept until another one is found,
+and its first move is always granted. So there is always a vehicle that may go on.
 
 Plain values and no clock: the same calls lead to the same grants.
 """
@@ -27,6 +28,7 @@ class Traffic:
     def __init__(self, layout):
         self.layout = layout
         self.travellers = {}
+        self.plan = []  # names, a move each, by which all come home; the first one last
 
     def add(self, name, node, home):
         """A vehicle at a node. False if another one is there, or the home is on another one's way."""
@@ -64,6 +66,7 @@ class Traffic:
         traveller.base = traveller.at = 0
         traveller.needs = self._needs_of(traveller)
         self._hold(traveller)
+        self.plan = self._find_plan() or []
 
     def take_route(self, name, route):
         """Replaces the part of the route that is not granted. False, without effect, if vehicles could come to wait for each other."""
@@ -100,6 +103,9 @@ class Traffic:
             return False
         traveller.base += 1
         self._hold(traveller)
+        if self.plan and self.plan[-1] == name:
+            self.plan.pop()
+            return True
         if self.is_safe():
             return True
         traveller.base -= 1
@@ -107,21 +113,51 @@ class Traffic:
         return False
 
     def is_safe(self):
-        """Whether all vehicles could come home one after another."""
-        left = sorted(self.travellers)
-        while left:
-            able = []
-            held = [self.travellers[name].held for name in left]
-            for i, name in enumerate(left):
-                traveller = self.travellers[name]
-                needs = traveller.needs[traveller.base]
-                if not any(bits & needs for j, bits in enumerate(held) if j != i):
-                    able.append(name)
-            if not able:
-                return False
-            # At home they are in no other vehicle's way.
-            left = [name for name in left if name not in able]
+        """Whether there is an order of moves by which all vehicles come home. It is kept: its first move may always be granted."""
+        plan = self._find_plan()
+        if plan is None:
+            return False
+        self.plan = plan
         return True
+
+    def _find_plan(self):
+        """Names, a move to the next node each, the first one last; None if none was found. All vehicles are at the ends of what they
+        were granted: one that can come home at once goes there; else one goes as far as it can."""
+        conflicts, edges = self.layout.conflicts, self.layout.edges
+        left = sorted(self.travellers)
+        at = {name: self.travellers[name].base for name in left}
+        own = {name: 1 << self.travellers[name].route[at[name]] for name in left}
+        taken, moves = 0, []
+        for bit in own.values():
+            taken |= bit
+        while left:
+            stays = []
+            for name in left:
+                traveller = self.travellers[name]
+                if taken & ~own[name] & traveller.needs[at[name]]:
+                    stays.append(name)
+                else:
+                    # At home it is in no other vehicle's way.
+                    moves += [name] * (len(traveller.route) - 1 - at[name])
+                    taken &= ~own[name]
+            if len(stays) == len(left):
+                for name in left:
+                    route, begin = self.travellers[name].route, at[name]
+                    others = taken & ~own[name]
+                    while at[name] + 1 < len(route):
+                        start, end = route[at[name]], route[at[name] + 1]
+                        if others & (conflicts[end] | conflicts[edges[start, end]]):
+                            break
+                        at[name] += 1
+                    if at[name] > begin:
+                        own[name] = 1 << route[at[name]]
+                        taken = others | own[name]
+                        moves += [name] * (at[name] - begin)
+                        break
+                else:
+                    return None
+            left = stays
+        return moves[::-1]
 
     def _needs_of(self, traveller):
         needs, bits = [0] * len(traveller.route), 0

@@ -19,7 +19,7 @@ class Vehicle:
         self.version = "3.0.0" if major == "v3" else "2.1.0"
         self.is_online, self.state, self.actions = False, None, None
         self.headers, self.orders = {}, 0
-        self.order = None        # the order as it was sent, with all updates: {"id", "update", "route", "actions", "base", "end"}
+        self.order = None        # the order as it was sent, with all updates: {"id", "update", "route", "actions", "base", "sent", "end"}
         self.message = None      # the newest one of the order
         self.sent_at, self.asked_at = 0.0, 0.0
         self.instant = {}        # ids of instant actions that have not ended, and their types
@@ -89,8 +89,10 @@ class Vehicle:
             return True
         if not self.has_answered:
             return False
+        # An order that ends early, for a job on the way home, never comes to the actions of its end.
         mine = self.order["actions"] if self.order else {}
-        return all(self.state["actions"].get(action["actionId"]) in FINAL for actions in mine.values() for action in actions)
+        return all(self.state["actions"].get(action["actionId"]) in FINAL for index, actions in mine.items()
+                   if index <= self.order["sent"] for action in actions)
 
     def failed_actions(self):
         mine = [action for actions in self.order["actions"].values() for action in actions] if self.order else []
@@ -119,7 +121,7 @@ class Vehicle:
         # A control that starts again goes on counting.
         shown = re.search(r"-(\d{1,9})$", self.state["order"][0])
         self.orders = max(self.orders, int(shown.group(1)) if shown else 0) + 1
-        self.order = {"id": f"{prefix}-{self.serial}-{self.orders}", "update": -1, "route": route, "end": end, "base": -1,
+        self.order = {"id": f"{prefix}-{self.serial}-{self.orders}", "update": -1, "route": route, "end": end, "base": -1, "sent": -1,
                       "horizon": horizon, "layout": layout, "actions": {}}
         for index, of_node in actions.items():
             self.order["actions"][index] = [
@@ -133,7 +135,7 @@ class Vehicle:
         first = max(order["base"], 0)
         last = min(base + order["horizon"], order["end"])
         order["update"] += 1
-        order["base"] = base
+        order["base"], order["sent"] = base, last
         self.message = {"orderId": order["id"], "orderUpdateId": order["update"],
                         "nodes": [self._node(i, base) for i in range(first, last + 1)],
                         "edges": [self._edge(i, base) for i in range(first, last)]}

@@ -195,6 +195,19 @@ std::string Spawn(const WorldPointer& world, const py::object& source, const py:
   return found;
 }
 
+void SendMessage(const WorldPointer& world, const py::object& robot, const std::string& topic,
+                 const py::object& message) {
+  const std::optional<FleetTopic> known = FindByName<FleetTopic>(topic);
+  if (!known || !IsToVehicle(*known)) {
+    throw py::value_error(
+        fmt::format("topic: found '{}', expected order, instantActions, zoneSet or responses", topic));
+  }
+  const py::object text =
+      py::isinstance<py::str>(message) ? message : py::module_::import("json").attr("dumps")(message);
+  const World::Use use(*world);
+  RaiseIfBad(use->SendMessage(world->FindRobot(robot), {*known, text.cast<std::string>()}));
+}
+
 void DefineChanges(SimulationClass& simulation) {
   simulation
       .def(
@@ -215,6 +228,10 @@ that it cannot reach.)")
             use->CancelGoal(world->FindRobot(robot));
           },
           "robot"_a, "The robot has no goal any more.")
+      .def("send_message", SendMessage, "robot"_a, "topic"_a, "message"_a,
+           R"(Sends a vehicle of VDA 5050 a message of its fleet control, for the next tick.
+
+topic: order, instantActions, zoneSet or responses. message: a dict, or the text of one.)")
       .def(
           "set_door",
           [](const WorldPointer& world, const py::object& door, double opening) {
@@ -276,6 +293,20 @@ void DefineReports(SimulationClass& simulation) {
             return world->reports;
           },
           "What controllers reported in the last call of `step`, a list of lines.")
+      .def_property_readonly(
+          "messages",
+          [](const WorldPointer& world) {
+            const World::Use use(*world);
+            const py::object loads = py::module_::import("json").attr("loads");
+            py::list messages;
+            for (const Simulation::FleetOutput& sent : world->fleet) {
+              const std::string& name = use->world().robot(sent.robot).name;
+              messages.append(py::make_tuple(sent.tick, name, NameOf(sent.message.topic), loads(sent.message.text)));
+            }
+            return messages;
+          },
+          R"(What vehicles of VDA 5050 sent to their fleet control in the last call of `step`: a list of (tick, robot, topic,
+message), with topics state, visualization and factsheet, and messages as dicts.)")
       .def_property_readonly(
           "failures", [](const WorldPointer& world) { return World::Use(*world)->failures(); },
           "A line for each controller that has failed; its robot stands still from then on.")

@@ -289,13 +289,14 @@ void World::StepOnce() {
   if (records && recorded_.ok()) recorded_ = recorder_->AfterStep(simulation_);
   events.insert(events.end(), simulation_.events().begin(), simulation_.events().end());
   reports.insert(reports.end(), simulation_.reports().begin(), simulation_.reports().end());
+  const std::vector<Simulation::FleetOutput>& sent = simulation_.fleet_outputs();
+  fleet.insert(fleet.end(), sent.begin(), sent.end());
   if (page_) page_->Show(simulation_);
 }
 
 void World::Step(Tick ticks, const std::function<bool(const Simulation&)>& goes_on) {
   const Use use(*this);
-  events.clear();
-  reports.clear();
+  ClearOutputs();
   RunInterruptibly(calls_python_, [&](Interrupt& interrupt) {
     for (Tick i = 0; i < ticks && !interrupt.IsDue(); ++i) {
       StepOnce();
@@ -355,8 +356,8 @@ void World::ForEachHit(const RangerReading& reading, const std::function<void(co
 void World::Restore(const Snapshot& snapshot) {
   const Use use(*this);
   RaiseIfBad(simulation_.Restore(snapshot));
+  ClearOutputs();
   events = simulation_.events();
-  reports.clear();
   Prepare();
   if (page_) page_->Show(simulation_);
 }

@@ -157,6 +157,12 @@ class World {
   // Of the last call of Step.
   std::vector<Event> events;
   std::vector<std::string> reports;
+  std::vector<Simulation::FleetOutput> fleet;
+  void ClearOutputs() {
+    events.clear();
+    reports.clear();
+    fleet.clear();
+  }
 
   // The rays of the first robot's sensor. The error is a sensor that is no ranger.
   std::size_t CountRays(const std::vector<std::size_t>& sensors);

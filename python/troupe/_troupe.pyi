@@ -148,6 +148,8 @@ class Simulation(State):
     def send_to(self, robot: _Robot, goal: ArrayLike, heading: Optional[float] = None) -> None:
         """To a point (x, y) or (x, y, z), or to several. InputError if the controller accepts no goals or no way leads there."""
     def cancel_goal(self, robot: _Robot) -> None: ...
+    def send_message(self, robot: _Robot, topic: str, message: Union[str, Mapping[str, Any]]) -> None:
+        """Of a fleet control to a vehicle of VDA 5050: order, instantActions, zoneSet or responses, for the next tick."""
     def set_door(self, door: _Robot, opening: float = 1.0) -> None:
         """From the next tick on; opening: 0, closed, to 1."""
     def call_lift(self, lift: _Robot, floor: str) -> None:
@@ -170,6 +172,9 @@ class Simulation(State):
     @property
     def reports(self) -> List[str]:
         """Of the last call of step."""
+    @property
+    def messages(self) -> List[Tuple[int, str, str, Any]]:
+        """What vehicles of VDA 5050 sent to their fleet control in the last call of step: tick, robot, topic, message."""
     @property
     def failures(self) -> List[str]:
         """A line for each controller that has failed."""

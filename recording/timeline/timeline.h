@@ -166,6 +166,14 @@ class Timeline {
   // The state at a position, or at the nearest that there is. The call may take some time. On one thread. The error is
   // a state that cannot be read, or a timeline without a state.
   virtual Result<SharedState> At(std::uint64_t position) = 0;
+
+  // The newest state by VDA 5050 that the robot of that name had sent at a position, as it was sent; empty: none. On
+  // the thread of At. The error is damage.
+  virtual Result<std::string> VehicleStateAt(const std::string& robot, std::uint64_t position) {
+    static_cast<void>(robot);
+    static_cast<void>(position);
+    return std::string();
+  }
 };
 
 // A recorded run, as far as it has come: it has at least one state, and its spans are constant.

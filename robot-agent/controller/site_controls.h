@@ -23,8 +23,11 @@ namespace troupe {
 
 class SiteControls {
  public:
-  // The graph is one of the info, and outlives this.
+  // The graph outlives this, unless it is replaced.
   SiteControls(const RobotInfo& info, const LaneGraph& graph);
+
+  // Other lanes from now on, which outlive all further calls.
+  void SetGraph(const LaneGraph& graph) { graph_ = &graph; }
 
   // Begins a tick: all further calls read this observation and add to this command. Both live until the next call.
   void Begin(const Observation& observation, Command& command);

@@ -17,11 +17,13 @@
 #include "common/geometry/limits.h"
 #include "common/spatial/scene.h"
 #include "fleet/vehicle.h"
+#include "fleet/vehicle_news.h"
 #include "fleet/vehicle_settings.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/vehicle_actions.h"
 #include "robot-agent/controller/vehicle_driver.h"
 #include "robot-agent/controller/vehicle_readings.h"
+#include "robot-agent/controller/vehicle_site.h"
 #include "robot-agent/navigation/surroundings.h"
 
 namespace troupe {
@@ -34,13 +36,12 @@ constexpr std::size_t kMostReached = 100;  // nodes in a tick
 constexpr char kBlocked[] = "pathBlocked";
 constexpr char kBatteryEmpty[] = "batteryEmpty";
 constexpr char kUnknownPlace[] = "nodePositionUnknown";
+constexpr char kUnreachableMap[] = "mapNotReachable";
 
 class Vda5050 final : public Controller, public RobotWatcher {
  public:
   Vda5050(const RobotInfo& info, fleet::VehicleSettings settings)
-      : info_(info), settings_(std::move(settings)), driver_(info, settings_), actions_(info, settings_) {
-    memory_.maps = {{settings_.map, "1", {}, fleet::StoredStatus::kEnabled}};
-  }
+      : info_(info), settings_(std::move(settings)), driver_(info, settings_), actions_(info, settings_), site_(info) {}
 
   void WatchRobots(const Surroundings& around) override { around_.emplace(around); }
 
@@ -49,17 +50,21 @@ class Vda5050 final : public Controller, public RobotWatcher {
     said_.clear();
     if (!profile_) Begin(observation);
     readings_ = MakeReadings(*around_, observation, info_.id, settings_);
+    site_.Begin(observation, *around_, command);
     FollowMode(observation);
     WatchBattery(observation);
     for (const FleetMessage& message : observation.fleet) Receive(message);
     Move(observation, command);
     for (const fleet::ActionProgress& progress : actions_.Work(memory_, observation, *around_, command)) {
-      Tell(progress);
       Apply(progress);
     }
     const bool moves = command.twist != Twist{} || command.speed != 0.0 || observation.twist != Twist{};
     if (moves != memory_.is_driving) Apply(fleet::DrivingChanged{moves});
     Publish(observation, command);
+    if (memory_ != told_) {
+      for (std::string& text : fleet::NewsOf(told_, memory_)) said_.push_back(std::move(text));
+      told_ = memory_;
+    }
     for (const std::string& text : said_) command.say += (command.say.empty() ? "" : "; ") + text;
     around_.reset();
     return command;
@@ -71,11 +76,15 @@ class Vda5050 final : public Controller, public RobotWatcher {
   void Begin(const Observation& observation) {
     profile_ = MakeProfile(*around_, info_, settings_, observation.energy.has_value());
     must_send_factsheet_ = true;
+    for (const std::string& map : MapsOf(settings_.map, around_->world())) {
+      memory_.maps.push_back({map, "1", {}, fleet::StoredStatus::kEnabled});
+    }
     // It knows where it is, if that has a name.
     const Vec2 at = observation.pose_estimate.translation();
     for (const LaneGraph& graph : info_.lane_graphs) {
       for (const LaneVertex& vertex : graph.vertices) {
         if (vertex.name.empty() || (vertex.position - at).norm() > settings_.tolerance) continue;
+        if (std::fabs(vertex.z - observation.pose_estimate.z) >= kLevelGap) continue;
         memory_.last_node_id = vertex.name;
         memory_.is_at_last_node = true;
       }
@@ -89,24 +98,19 @@ class Vda5050 final : public Controller, public RobotWatcher {
     return outcome;
   }
 
-  // A user who drives it takes it over; a set pose is noticed by the jump.
+  // A user who drives it, or moves it to another place, takes it over.
   void FollowMode(const Observation& observation) {
-    if (observation.is_overridden) manual_until_ = observation.time + kManualSeconds;
-    const bool is_manual = manual_until_ && observation.time < *manual_until_;
-    const fleet::OperatingMode mode = is_manual ? fleet::OperatingMode::kManual : fleet::OperatingMode::kAutomatic;
-    if (memory_.mode != mode && memory_.wanted_mode != mode) {
-      Apply(fleet::ModeChanged{mode});
-      said_.push_back(is_manual ? "manual" : "automatic");
-    }
-    if (is_manual) driver_.Forget();
     const Vec2 at = observation.pose_estimate.translation();
     const Twist& twist = observation.twist;
     const double motion = std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy) * observation.interval;
-    if (last_place_ && (at - *last_place_).norm() > motion + kJump) {
-      Apply(fleet::LastNodeLost{});
-      driver_.Forget();
-    }
+    const bool was_moved = last_place_ && (at - *last_place_).norm() > motion + kJump;
     last_place_ = at;
+    if (was_moved || observation.is_overridden) manual_until_ = observation.time + kManualSeconds;
+    const bool is_manual = manual_until_ && observation.time < *manual_until_;
+    const fleet::OperatingMode mode = is_manual ? fleet::OperatingMode::kManual : fleet::OperatingMode::kAutomatic;
+    if (memory_.mode != mode && memory_.wanted_mode != mode) Apply(fleet::ModeChanged{mode});
+    if (was_moved) Apply(fleet::LastNodeLost{});
+    if (is_manual) driver_.Forget();
   }
 
   // Without energy it does nothing, until a person brings it to a charger.
@@ -156,17 +160,13 @@ class Vda5050 final : public Controller, public RobotWatcher {
       if (decoded.ok()) CheckPlaces(decoded.message, decoded.faults);
       const fleet::OrderReceived received{std::move(decoded.message), std::move(decoded.faults)};
       const fleet::OrderRow* const row = Apply(received).row;
-      if (row == nullptr || row->verdict == fleet::OrderVerdict::kDiscard) return;
-      const char* const verdict = fleet::IsAccepted(row->verdict) ? "accepted" : "rejected";
-      std::string text =
-          fmt::format("order {} {} {}", received.order.order_id, received.order.order_update_id, verdict);
-      if (row->verdict == fleet::OrderVerdict::kReject) text += fmt::format(": {}", row->name);
-      said_.push_back(std::move(text));
+      if (row == nullptr || row->verdict != fleet::OrderVerdict::kReject) return;
+      said_.push_back(
+          fmt::format("order {} {} rejected: {}", received.order.order_id, received.order.order_update_id, row->name));
     } else if (message.topic == FleetTopic::kInstantActions) {
       fleet::Decoded<fleet::InstantActions> decoded =
           fleet::Decode<fleet::InstantActions>(message.text, settings_.version);
       if (decoded.ok()) CheckVersion(decoded.message.header, decoded.faults);
-      for (const fleet::Action& action : decoded.message.actions) said_.push_back(action.type);
       Apply(fleet::InstantActionsReceived{std::move(decoded.message), std::move(decoded.faults)});
     }
   }
@@ -177,32 +177,46 @@ class Vda5050 final : public Controller, public RobotWatcher {
     for (std::size_t i = 0; i < kMostReached; ++i) {
       if (!fleet::MayDrive(memory_, *profile_)) {
         driver_.Rest();
+        site_.Rest(!memory_.nodes.empty());
         break;
       }
-      const VehicleDriver::Motion motion = driver_.Drive(memory_, observation, *around_);
+      const std::optional<VehicleWay> way = driver_.Look(memory_, observation);
+      if (!way) {
+        ReportNode(kUnknownPlace, "the node has no position, and no place has its name");
+        break;
+      }
+      const VehicleSite::Limit limit = site_.Follow(*way);
+      if (limit.rides || limit.has_no_lift) {
+        if (limit.has_no_lift) ReportNode(kUnreachableMap, "no lift leads from here to the map of the node");
+        if (limit.thing) command.orders.emplace_back(WaitOrder{limit.thing, {}});
+        break;
+      }
+      const VehicleDriver::Motion motion = driver_.Drive(memory_, observation, *around_, limit.room);
       readings_.distance_since_last_node = motion.driven;
       readings_.is_base_short = motion.room < kShortBase * std::max(std::fabs(observation.twist.vx), 0.1);
-      if (motion.is_lost) {
-        ReportUnknownPlace();
-        break;
-      }
       if (motion.has_reached) {
-        said_.push_back("node " + memory_.nodes.front().id);
         Apply(fleet::NodeReached{memory_.nodes.front().sequence_id});
         continue;
       }
       command.twist = motion.command.twist;
       command.speed = motion.command.speed;
       command.steering = motion.command.steering;
-      is_blocked = motion.obstacle.has_value() || observation.stalled;
-      if (is_blocked) WaitFor(motion.obstacle, observation, command);
+      const bool stands = command.twist.IsZero() && command.speed == 0.0;
+      if (limit.thing && stands && !limit.is_stuck) {
+        command.orders.emplace_back(WaitOrder{limit.thing, {}});  // of a door that opens, and of a lift that comes
+        break;
+      }
+      const bool is_in_field = motion.obstacle.has_value() || observation.stalled;
+      const std::optional<ModelId> obstacle = limit.is_stuck && stands ? limit.thing : motion.obstacle;
+      is_blocked = obstacle.has_value() || observation.stalled;
+      readings_.safety_state.field_violation = is_in_field;
+      if (is_blocked) WaitFor(obstacle, observation, command);
       break;
     }
     if (!is_blocked) EndWait(observation);
   }
 
   void WaitFor(const std::optional<ModelId>& obstacle, const Observation& observation, Command& command) {
-    readings_.safety_state.field_violation = true;
     WaitOrder wait;
     if (obstacle) wait.thing = RootOf(*around_, *obstacle);
     command.orders.emplace_back(wait);
@@ -216,7 +230,6 @@ class Vda5050 final : public Controller, public RobotWatcher {
     error.references = {{{"nodeId", memory_.nodes.front().id}, {"obstacle", name}}};
     if (!memory_.edges.empty()) error.references->push_back({"edgeId", memory_.edges.front().id});
     Apply(fleet::ErrorRaised{error});
-    said_.push_back("blocked by " + name);
   }
 
   void EndWait(const Observation& observation) {
@@ -226,22 +239,16 @@ class Vda5050 final : public Controller, public RobotWatcher {
     if (std::exchange(has_told_block_, false)) Apply(fleet::ErrorCleared{ErrorName(kBlocked, settings_.version)});
   }
 
-  void ReportUnknownPlace() {
+  // Once: the vehicle cannot go to the first of its nodes.
+  void ReportNode(const std::string& type, const std::string& description) {
     fleet::VehicleError error;
-    error.type = ErrorName(kUnknownPlace, settings_.version);
-    error.description = "the node has no position, and no place has its name";
+    error.type = ErrorName(type, settings_.version);
+    error.description = description;
     error.references = {{{"nodeId", memory_.nodes.front().id}}};
     const bool is_known = std::any_of(memory_.errors.begin(), memory_.errors.end(), [&](const fleet::ReportedError& e) {
       return e.error.type == error.type && e.error.references == error.references;
     });
     if (!is_known) Apply(fleet::ErrorRaised{error});
-  }
-
-  void Tell(const fleet::ActionProgress& progress) {
-    if (progress.status == fleet::ActionStatus::kRunning) return;
-    std::string text = fmt::format("action {} {}", progress.action_id, NameOf(progress.status));
-    if (progress.result) text += ": " + *progress.result;
-    said_.push_back(std::move(text));
   }
 
   fleet::Header NextHeader(std::uint32_t& count, std::int64_t now) {
@@ -291,7 +298,9 @@ class Vda5050 final : public Controller, public RobotWatcher {
   fleet::VehicleSettings settings_;
   VehicleDriver driver_;
   VehicleActions actions_;
+  VehicleSite site_;
   fleet::VehicleMemory memory_;
+  fleet::VehicleMemory told_;  // of the tick before, for the news
   std::optional<fleet::VehicleProfile> profile_;
   fleet::VehicleReadings readings_;
   std::optional<Surroundings> around_;  // of the tick

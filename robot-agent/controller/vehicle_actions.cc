@@ -83,6 +83,9 @@ void VehicleActions::Act(Turn& turn) const {
     InitializePosition(turn);
   } else if (type == "detectObject") {
     Detect(turn);
+  } else if (type == "downloadMap") {
+    // The world is all that its maps could have: a download takes its time, and makes a name.
+    if (turn.own.worked >= settings_.load_time) End(turn, fleet::ActionStatus::kFinished, "");
   } else if (type == "trigger") {
     // Before 3.0 it is an action of this vehicle's own.
     bool is_any = false;

@@ -20,6 +20,7 @@ constexpr double kTurnTo = 0.02;       // until it faces it
 constexpr double kSlightest = 0.002;   // rad: no turn
 constexpr double kNearNode = 1.0;      // m: the line of an edge begins at its node, if that is so near
 constexpr double kLookOnCurve = 0.8;   // m, straight ahead on a curve
+constexpr double kSeen = 8.0;          // m of the base, along which it looks for doors and lifts
 constexpr double kStopMargin = 0.02;   // m, beyond the place where it stops
 
 double AngleBetween(const Vec2& a, const Vec2& b) {
@@ -205,18 +206,39 @@ void VehicleDriver::StopBefore(const fleet::VehicleMemory& memory, const Observa
   }
 }
 
-VehicleDriver::Motion VehicleDriver::Drive(const fleet::VehicleMemory& memory, const Observation& observation,
-                                           const Surroundings& around) {
-  Motion motion;
+std::optional<VehicleWay> VehicleDriver::Look(const fleet::VehicleMemory& memory, const Observation& observation) {
   const fleet::Node& node = memory.nodes.front();
-  if (!PositionOf(node)) {
-    motion.is_lost = true;
-    return motion;
-  }
+  if (!PositionOf(node)) return std::nullopt;
   const Pose& X_WR = observation.pose_estimate;
   if (target_ != node.sequence_id || target_order_ != memory.order_id) Begin(memory, node, X_WR);
   const Vec2 at = X_WR.translation();
   along_ = path_.Nearest(at, along_, along_ + kNearNode);
+
+  VehicleWay way;
+  way.points.push_back({at});
+  std::vector<Vec2> rest;
+  path_.AddRest(along_, rest);
+  for (const Vec2& place : rest) way.points.push_back({place});
+  double length = path_.length() - along_;
+  for (std::size_t i = 0; i < memory.nodes.size() && memory.nodes[i].released && length < kSeen; ++i) {
+    const std::optional<Vec2> place = PositionOf(memory.nodes[i]);
+    if (!place) break;
+    if (i > 0) {
+      length += (*place - way.points.back().place).norm();
+      way.points.push_back({*place});
+    }
+    way.points.back().is_node = true;
+    if (memory.nodes[i].position) way.points.back().map = memory.nodes[i].position->map_id;
+  }
+  return way;
+}
+
+VehicleDriver::Motion VehicleDriver::Drive(const fleet::VehicleMemory& memory, const Observation& observation,
+                                           const Surroundings& around, const std::optional<double>& most) {
+  Motion motion;
+  const fleet::Node& node = memory.nodes.front();
+  const Pose& X_WR = observation.pose_estimate;
+  const Vec2 at = X_WR.translation();
   motion.driven = along_;
   const double rest = path_.length() - along_;
   const double behind = WayBehind(memory);
@@ -248,9 +270,11 @@ VehicleDriver::Motion VehicleDriver::Drive(const fleet::VehicleMemory& memory, c
     }
     return motion;
   }
-  double speed = SpeedFor(behind > 0.0 ? to_stop : rest, SpeedOf(edge, is_backward_), -drive_.acceleration.x.min,
-                          observation.interval);
-  StopBefore(memory, observation, around, to_stop, motion, speed);
+  const double room = std::min(behind > 0.0 ? to_stop : rest, most.value_or(to_stop));
+  double speed = room <= kArrived && most
+                     ? 0.0
+                     : SpeedFor(room, SpeedOf(edge, is_backward_), -drive_.acceleration.x.min, observation.interval);
+  StopBefore(memory, observation, around, room, motion, speed);
   motion.command = Follow(memory, observation, speed);
   if (is_turning_) motion.obstacle.reset();  // it will look another way
   return motion;

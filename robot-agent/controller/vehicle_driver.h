@@ -27,16 +27,21 @@ class VehicleDriver {
  public:
   VehicleDriver(const RobotInfo& info, fleet::VehicleSettings settings);
 
+  // Begins the edge to the first of the nodes, if that is another one than before. Returns the way along it, and on
+  // along the base; nothing: no position of that node is known. REQUIRES: the memory has nodes.
+  std::optional<VehicleWay> Look(const fleet::VehicleMemory& memory, const Observation& observation);
+
   struct Motion {
     Command command;
     bool has_reached = false;              // the first of the nodes
-    bool is_lost = false;                  // no position of that node is known
     std::optional<ModelId> obstacle = {};  // for which it stands
     double room = 0.0;                     // m, to the end of the base
     std::optional<double> driven = {};     // m, since the last node
   };
-  // REQUIRES: the memory lets it drive (fleet::MayDrive).
-  Motion Drive(const fleet::VehicleMemory& memory, const Observation& observation, const Surroundings& around);
+  // `most`: m, that it may drive on; nothing: any. REQUIRES: the memory lets it drive (fleet::MayDrive), and Look has
+  // returned a way.
+  Motion Drive(const fleet::VehicleMemory& memory, const Observation& observation, const Surroundings& around,
+               const std::optional<double>& most);
   // It stands, and begins the edge anew when it drives again.
   void Rest() { is_turning_ = false; }
   // It has been moved from outside.

@@ -67,6 +67,12 @@ Vec2 VehiclePath::DirectionAt(double along) const {
   return (points_[i + 1] - points_[i]) / (along_[i + 1] - along_[i]);
 }
 
+void VehiclePath::AddRest(double along, std::vector<Vec2>& points) const {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (along_[i] > along || i + 1 == points_.size()) points.push_back(points_[i]);
+  }
+}
+
 double VehiclePath::Nearest(const Vec2& p, double from, double to) const {
   if (points_.size() < 2) return 0.0;
   double best = std::clamp(from, 0.0, length());

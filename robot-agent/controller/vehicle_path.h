@@ -4,6 +4,7 @@
 // edition, 1997, A4.1) at a fixed number of parameters for each span, so that all processors find the same bits.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "fleet/order_message.h"
@@ -24,6 +25,8 @@ class VehiclePath {
   Vec2 At(double along) const;
   // A unit vector; zero on a path without length.
   Vec2 DirectionAt(double along) const;
+  // Adds the points of the path that lie behind `along` m, its end among them.
+  void AddRest(double along, std::vector<Vec2>& points) const;
   // The way along the path to its point that is nearest to `p`, of those from `from` to `to` m.
   double Nearest(const Vec2& p, double from, double to) const;
 
@@ -32,6 +35,16 @@ class VehiclePath {
 
   std::vector<Vec2> points_;   // m, in W
   std::vector<double> along_;  // m, to each point
+};
+
+// The way of a vehicle along the base of its order, as far as it looks.
+struct VehicleWay {
+  struct Point {
+    Vec2 place{0.0, 0.0};  // W
+    bool is_node = false;
+    std::string map = {};  // of a node; empty: the one before
+  };
+  std::vector<Point> points;  // the first one is where the vehicle is
 };
 
 // Points on a curve, its ends among them. REQUIRES: fleet::CheckOrder has found nothing.

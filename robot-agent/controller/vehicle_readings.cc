@@ -6,6 +6,7 @@
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "robot-agent/controller/vehicle_site.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
@@ -116,6 +117,12 @@ std::vector<fleet::ActionSpecification> ActionsOf(fleet::Version version, bool h
       ActionOf("waitForTrigger", "waits for the instant action trigger", {Scope::kNode}),
       ActionOf("trigger", "ends a wait for a trigger", {Scope::kInstant}),
   };
+  const std::vector<fleet::ParameterSpecification> map = {{"mapId", "STRING", {}, {}},
+                                                          {"mapVersion", "STRING", {}, {}}};
+  actions.push_back(ActionOf("enableMap", "uses that version of a map", {Scope::kInstant, Scope::kNode}, map));
+  actions.push_back(ActionOf("deleteMap", "forgets a map that is not enabled", {Scope::kInstant}, map));
+  actions.push_back(ActionOf("downloadMap", "stores a map, which is not enabled then", {Scope::kInstant},
+                             {map[0], map[1], TextParameter("mapDownloadLink")}));
   if (is_3) {
     actions.push_back(ActionOf("retry", "tries an action again", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("skipRetry", "gives an action up", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
@@ -201,7 +208,7 @@ fleet::VehicleReadings MakeReadings(const Surroundings& around, const Observatio
   position.x = Rounded(pose.x);
   position.y = Rounded(pose.y);
   position.theta = RoundedAngle(pose.heading);
-  position.map_id = settings.map;
+  position.map_id = MapAt(settings.map, around.world(), pose.z);
   position.localized = true;
   readings.position = position;
   readings.velocity =

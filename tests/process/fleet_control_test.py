@@ -31,8 +31,9 @@ def grid(columns, rows, homes):
     """A layout of aisles in both directions 3 m apart, with homes above and below."""
     nodes, edges, stations = [], [], []
 
-    def add(name, x, y):
-        nodes.append({"nodeId": name, "mapId": "m", "nodePosition": {"x": x, "y": y}, "vehicleTypeNodeProperties": []})
+    def add(name, x, y, actions=()):
+        properties = [{"vehicleTypeId": "cart", "actions": [{"actionType": kind} for kind in actions]}]
+        nodes.append({"nodeId": name, "mapId": "m", "nodePosition": {"x": x, "y": y}, "vehicleTypeNodeProperties": properties})
 
     def join(one, other):
         edges.extend({"edgeId": f"{start}-{end}", "startNodeId": start, "endNodeId": end} for start, end in ((one, other), (other, one)))
@@ -47,7 +48,7 @@ def grid(columns, rows, homes):
             stations.append({"stationId": f"S{x}_{y}", "interactionNodeIds": [f"n{x}_{y}"]})
     for home in range(homes):
         x, side = home % columns, home // columns
-        add(f"h{home}", 3 * x, -3 if side == 0 else 3 * rows)
+        add(f"h{home}", 3 * x, -3 if side == 0 else 3 * rows, ["startCharging"])
         join(f"h{home}", f"n{x}_{0 if side == 0 else rows - 1}")
     return {"layouts": [{"nodes": nodes, "edges": edges, "stations": stations}]}
 

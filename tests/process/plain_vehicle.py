@@ -20,7 +20,7 @@ class PlainVehicle:
     def start(self):
         self.publish("connection", {"connectionState": "ONLINE"}, True)
         actions = [{"actionType": kind, "actionScopes": ["NODE"], "blockingTypes": ["HARD"], "pauseAllowed": False, "cancelAllowed": False}
-                   for kind in ("pick", "drop")]
+                   for kind in ("pick", "drop", "startCharging")]
         newer = self.is_newer
         self.publish("factsheet", {
             "typeSpecification": {

@@ -189,10 +189,13 @@ Result<PageRequest> ReadWithId(const std::string& type, const JsonReader& object
     request = TotalsRequest{id};
   } else if (type == "expectations") {
     request = ExpectationsRequest{id};
+  } else if (type == "vehicle") {
+    request = VehicleRequest{id, object.Get<std::string>("robot"), object.Get<std::uint64_t>("position")};
   } else if (type == "run_again") {
     request = ReadRunAgain(object, id);
   } else {
-    return Malformed("type '" + type + "'", "select, control, seek, live, series, totals, expectations or run_again");
+    return Malformed("type '" + type + "'",
+                     "select, control, seek, live, series, totals, expectations, vehicle or run_again");
   }
   return request;
 }
@@ -251,6 +254,7 @@ PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply) {
     for (const EntityReport& entity : reply.value().entities) {
       Json& listed = entities.emplace_back(Json{{"name", entity.name}, {"type", entity.type}});
       if (entity.agent) listed["agent"] = FieldsToJson<Json>(*entity.agent);
+      if (!entity.signals.empty()) listed["signals"] = entity.signals;
     }
     text["entities"] = std::move(entities);
   }

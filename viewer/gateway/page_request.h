@@ -106,6 +106,14 @@ struct ExpectationsRequest {
   bool operator==(const ExpectationsRequest&) const = default;
 };
 
+// What a vehicle of VDA 5050 had sent as its newest state.
+struct VehicleRequest {
+  std::uint64_t id = 0;  // repeated in the reply
+  std::string robot;
+  std::uint64_t position = 0;
+  bool operator==(const VehicleRequest&) const = default;
+};
+
 // Values are for pages that run their scenario themselves.
 struct RunAgainRequest {
   std::uint64_t id = 0;  // repeated in the reply
@@ -116,7 +124,7 @@ struct RunAgainRequest {
 };
 
 using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, PageEdit, SeriesRequest,
-                                 TotalsRequest, ExpectationsRequest, RunAgainRequest>;
+                                 TotalsRequest, ExpectationsRequest, VehicleRequest, RunAgainRequest>;
 
 // The error is of the page, or of a stranger: it is not a request. `longest`: bytes of an edit; others are shorter.
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kMaxPageRequest);

@@ -34,6 +34,7 @@ PastAnswer PastAnswers::Answer(const PastQuestion& question) {
   if (const auto* series = std::get_if<SeriesRequest>(&question)) return Series(*series);
   if (const auto* totals = std::get_if<TotalsRequest>(&question)) return Totals(*totals);
   if (const auto* expectations = std::get_if<ExpectationsRequest>(&question)) return rows_.Answer(*expectations);
+  if (const auto* vehicle = std::get_if<VehicleRequest>(&question)) return VehicleState(*vehicle);
   if (const auto* position = std::get_if<std::uint64_t>(&question)) return Find(*position);
   if (link_ != nullptr) ReadJournal();
   reads_journal_ = false;
@@ -137,6 +138,17 @@ PageReply PastAnswers::Totals(const TotalsRequest& request) {
                                        {"waits", std::move(waits)}});
   reply.has_totals = next_ > spans->last();
   return reply;
+}
+
+// Of a live run by its journal, which is read again if it ends before the position.
+PageReply PastAnswers::VehicleState(const VehicleRequest& request) {
+  Result<std::string> state = past_.VehicleStateAt(request.robot, request.position);
+  if (link_ != nullptr && feed_.RecordedUpTo() < request.position) {
+    ReadJournal();
+    state = past_.VehicleStateAt(request.robot, request.position);
+  }
+  if (!state.ok()) return Reply(request.id, Json::object(), state.error().ToString());
+  return Reply(request.id, {{"state", state.value()}});
 }
 
 // Between two states of which an edit made the second, nothing was driven or used.

@@ -31,7 +31,8 @@ namespace troupe {
 
 struct JournalRequest {};  // to read it
 // A number is a position to seek to.
-using PastQuestion = std::variant<std::uint64_t, SeriesRequest, TotalsRequest, ExpectationsRequest, JournalRequest>;
+using PastQuestion =
+    std::variant<std::uint64_t, SeriesRequest, TotalsRequest, ExpectationsRequest, VehicleRequest, JournalRequest>;
 using FoundState = Result<SharedState>;
 using PastAnswer = std::variant<std::monostate, FoundState, PageReply>;
 
@@ -67,6 +68,8 @@ class PastAnswers {
   // [{"name", "distance" m, "energy" J that it has used, if it has a store that can be empty}], "traffic", "waits": as
   // in the summary of a run}. Not complete: ask again.
   PageReply Totals(const TotalsRequest& request);
+  // {"state": text}; "": none is known.
+  PageReply VehicleState(const VehicleRequest& request);
   void AddToTotals(const SharedState& state);
   // Whether the totals belong to the past as it is now.
   bool TotalsContinue(const TimeSpans& spans);

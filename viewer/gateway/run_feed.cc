@@ -163,6 +163,20 @@ Result<SharedState> RunFeed::At(std::uint64_t position) {
   return nearest == nullptr || position <= recorded->Spans()->last() ? recorded->At(position) : nearest;
 }
 
+Result<std::string> RunFeed::VehicleStateAt(const std::string& robot, std::uint64_t position) {
+  std::shared_ptr<RecordedTimeline> recorded;
+  {
+    const std::lock_guard lock(mutex_);
+    recorded = recorded_;
+  }
+  return recorded != nullptr ? recorded->VehicleStateAt(robot, position) : std::string();
+}
+
+std::uint64_t RunFeed::RecordedUpTo() const {
+  const std::lock_guard lock(mutex_);
+  return recorded_ != nullptr ? recorded_->Spans()->last() : 0;
+}
+
 // The numbers begin again, so that viewers replace their lists (event_list).
 std::uint64_t RunFeed::CompleteEvents(const RecordedTimeline& recorded) {
   const std::uint64_t last = recorded.Spans()->last();

@@ -68,6 +68,10 @@ class RunFeed : public ObserverHandler, public Timeline {
 
   std::shared_ptr<const TimeSpans> Spans() const override;
   Result<SharedState> At(std::uint64_t position) override;
+  // By the journal, as far as it was read.
+  Result<std::string> VehicleStateAt(const std::string& robot, std::uint64_t position) override;
+  // The last position of the journal that was read; 0: none was.
+  std::uint64_t RecordedUpTo() const;
 
   // Completes the past and the events by the run's journal as it is now; null: there is none. A run that has ended
   // without having been followed is then shown at its end. On any thread.

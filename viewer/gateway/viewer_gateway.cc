@@ -177,6 +177,8 @@ void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
     Ask(loop, id, totals->id, *totals);
   } else if (auto* const expectations = std::get_if<ExpectationsRequest>(&request)) {
     Ask(loop, id, expectations->id, *expectations);
+  } else if (auto* const vehicle = std::get_if<VehicleRequest>(&request)) {
+    Ask(loop, id, vehicle->id, std::move(*vehicle));
   } else if (auto* const again = std::get_if<RunAgainRequest>(&request)) {
     const std::string refusal = RefusalToRunAgain();
     if (refusal.empty()) link_->RunAgain(again->seed);

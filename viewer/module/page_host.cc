@@ -113,6 +113,8 @@ class PageHost {
       Answer(*totals);
     } else if (const auto* expectations = std::get_if<ExpectationsRequest>(&*request.value())) {
       Answer(*expectations);
+    } else if (const auto* vehicle = std::get_if<VehicleRequest>(&*request.value())) {
+      Answer(*vehicle);
     } else if (const auto* control = std::get_if<PageControl>(&*request.value())) {
       Execute(*control);
     } else if (const auto* edit = std::get_if<PageEdit>(&*request.value())) {

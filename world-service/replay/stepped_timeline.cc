@@ -6,6 +6,16 @@
 #include <utility>
 
 namespace troupe {
+namespace {
+
+// The last state of a vehicle in a proposal; null: none.
+const FleetMessage* StateIn(const Proposal& proposal) {
+  const auto last = std::find_if(proposal.fleet.rbegin(), proposal.fleet.rend(),
+                                 [](const FleetMessage& message) { return message.topic == FleetTopic::kState; });
+  return last != proposal.fleet.rend() ? &*last : nullptr;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<SteppedTimeline>> SteppedTimeline::Create(Recording recording, WorldCache& worlds,
                                                                  std::size_t max_kept_bytes) {
@@ -41,7 +51,31 @@ std::optional<std::string> SteppedTimeline::ReadTicks() {
       events_.push_back({++events, tick.number, event, NamesIn(world, event)});
       if (events_.size() > kEventsKept) events_.pop_front();
     }
+    for (const Proposal& proposal : tick.proposals) {
+      if (StateIn(proposal) == nullptr || proposal.robot.index() >= world.robots.size()) continue;
+      vehicle_states_[world.robot(proposal.robot).name].push_back({tick.number, proposal.robot});
+    }
     spans->Add(tick.number, tick.tick, tick.edition);
+  }
+}
+
+Result<std::string> SteppedTimeline::VehicleStateAt(const std::string& robot, std::uint64_t position) {
+  const auto found = vehicle_states_.find(robot);
+  if (found == vehicle_states_.end()) return std::string();
+  const auto after = std::partition_point(found->second.begin(), found->second.end(),
+                                          [&](const SentState& sent) { return sent.number <= position; });
+  if (after == found->second.begin()) return std::string();
+  const SentState& newest = *std::prev(after);
+  TickReader reader(recording_, recording_.KeyframeUpTo(newest.number));
+  for (RecordedTick tick;;) {
+    const Result<bool> more = reader.Next(tick);
+    if (!more.ok()) return more.error();
+    if (!more.value()) return std::string();
+    if (tick.number != newest.number) continue;
+    const auto proposal = std::find_if(tick.proposals.begin(), tick.proposals.end(),
+                                       [&](const Proposal& each) { return each.robot == newest.robot; });
+    const FleetMessage* const sent = proposal != tick.proposals.end() ? StateIn(*proposal) : nullptr;
+    return sent != nullptr ? sent->text : std::string();
   }
 }
 

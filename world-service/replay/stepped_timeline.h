@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,6 +45,7 @@ class SteppedTimeline final : public RecordedTimeline {
   const std::deque<NumberedEvent>& Events() const override { return events_; }
   RunId run() const override { return recording_.run().run; }
   bool is_whole() const override { return !damage_; }
+  Result<std::string> VehicleStateAt(const std::string& robot, std::uint64_t position) override;
 
  private:
   SteppedTimeline(Recording recording, WorldCache& worlds, std::size_t max_kept_bytes)
@@ -57,10 +59,15 @@ class SteppedTimeline final : public RecordedTimeline {
 
   const Recording recording_;
   WorldCache& worlds_;
-  std::optional<std::string> damage_;  // constant after Create, as the next two
+  std::optional<std::string> damage_;  // constant after Create, as the next three
   std::shared_ptr<const TimeSpans> spans_;
   std::deque<NumberedEvent> events_;
-  std::optional<ReplayCursor> cursor_;  // nothing: none yet
+  struct SentState {
+    std::uint64_t number = 0;  // of the tick
+    RobotId robot;             // in its world
+  };
+  std::map<std::string, std::vector<SentState>> vehicle_states_;  // by robot; where the texts are, which may be large
+  std::optional<ReplayCursor> cursor_;                            // nothing: none yet
   KeptStates kept_;
   std::vector<std::shared_ptr<const TimelineWorld>> were_shown_;  // in use as long as the timeline
   std::weak_ptr<const Scene> newest_scene_;                       // of newest_world_, or another one like it

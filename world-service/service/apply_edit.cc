@@ -276,6 +276,11 @@ void SetSignals(const WorldDescription& world, const WorldState& state, EntityRe
   }
 }
 
+void SetVehicle(const std::string& sent, EntityReport& entity) {
+  entity.signals += (entity.signals.empty() ? "" : "\n") + std::string("vehicle ");
+  for (const char c : sent) entity.signals += c == '\n' || c == '\r' ? ' ' : c;  // of a peer: it stays one line
+}
+
 void SetSaid(const Event& said, EntityReport& entity) {
   entity.signals += (entity.signals.empty() ? "" : "\n") + std::string(kSaidLine) + " ";
   JsonWriter json(entity.signals);

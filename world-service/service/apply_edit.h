@@ -67,6 +67,9 @@ void SetAgents(const WorldDescription& world, const Membership& members, std::ve
 // Sets the signals of an entity: of each row of a table of the state that is the entity, and not a part of it.
 void SetSignals(const WorldDescription& world, const WorldState& state, EntityReport& entity);
 
+// Adds the newest state of a vehicle of VDA 5050 to its signals, as it has sent it: a line "vehicle {...}".
+void SetVehicle(const std::string& sent, EntityReport& entity);
+
 // Adds the last words of a robot's controller to its signals: a line "said {"tick":N,"text":"..."}".
 void SetSaid(const Event& said, EntityReport& entity);
 

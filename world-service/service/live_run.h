@@ -29,6 +29,7 @@
 #include "world-service/service/resumed_run.h"
 #include "world-service/service/robot_memories.h"
 #include "world-service/service/run_observer.h"
+#include "world-service/service/vehicle_states.h"
 
 namespace troupe {
 
@@ -82,6 +83,8 @@ struct LiveRun {
   std::shared_ptr<const Scene> scene;
   // Written by TickEngine.
   FrameMessage frame = {};  // the newest that the agents were sent; before the run begins, the first
+  // Written by TickEngine (steps) and WorldEditor (fresh starts).
+  VehicleStates vehicle_states = {};
 
   // Written by TickEngine (steps) and WorldEditor (edits).
   RobotMemories memories = {};

@@ -322,6 +322,7 @@ Result<std::vector<EntityReport>> RunControl::Entities(const control::Entities& 
     for (EntityReport& entity : entities) {
       SetSignals(run_.world(), run_.frame.state, entity);
       const std::optional<RobotId> robot = FindRobot(run_.world(), name);
+      if (const std::string* const sent = run_.vehicle_states.Of(name)) SetVehicle(*sent, entity);
       if (const Event* const said = robot ? run_.events.LastSaid(*robot) : nullptr) SetSaid(*said, entity);
     }
   }

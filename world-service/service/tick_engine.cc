@@ -289,6 +289,7 @@ void TickEngine::Commit(double now) {
   next.state = std::move(result.state);
   next.state_hash = StateHash(next.state);
   run_.memories.OnStep(next);
+  run_.vehicle_states.Add(run_.world(), proposals);
   run_.restoring = next.remembered = false;
   next.events = run_.events.CompleteFrame(next.state.tick, std::move(result.events));
   if (ticks_to_pause_) --*ticks_to_pause_;

@@ -211,6 +211,7 @@ void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, co
     // Ids of events mean other things from now on.
     for (const Event& event : run_.events.DrainUnreported()) run_.notices.Add(EventText(run_.world(), event));
     run_.events.DiscardPending();
+    run_.vehicle_states.Clear();
   }
   // Until Publish, engine, members and observers may still refer to the scene before; an exception between must not
   // leave them with a dangling one.

@@ -33,7 +33,7 @@ export interface Reply {
   problem: string;
   state?: string;
   tick?: number;
-  entities?: Array<{name: string; type: string; agent?: AgentInfo}>;
+  entities?: Array<{name: string; type: string; agent?: AgentInfo; signals?: string}>;
 }
 
 // The reply to an edit, with the members that viewer/editor gives it.
@@ -138,6 +138,11 @@ export class Connection {
 
   expectations(): Promise<ExpectationsReply> {
     return this.ask({type: 'expectations'}) as Promise<unknown> as Promise<ExpectationsReply>;
+  }
+
+  // The newest state that a vehicle of VDA 5050 had sent at a position; empty: none.
+  vehicle(robot: string, position: number): Promise<Reply & {state?: string}> {
+    return this.ask({type: 'vehicle', robot, position});
   }
 
   // `seed`, `values`: null: as in the previous run. Values of a scenario, by their paths.

@@ -2,8 +2,9 @@
 //
 // It shows what the newest update has. `show` runs again and again, so that texts of elements change and the elements
 // themselves stay, with the user's selection and focus.
+import {agentText} from './agents';
 import {color} from './colors';
-import type {AgentInfo, Connection} from './connection';
+import type {AgentInfo} from './connection';
 import {byId, fixed, make, setText} from './dom';
 import {JointType, OBJECT_MODES, scansOf, type Light, type Pose, type Reading, type RobotGoal} from './protocol';
 import {robotState} from './thing_list';
@@ -169,41 +170,6 @@ export class EntityPanel {
       setText(value, joint.type === JointType.Revolute ? `${fixed(degrees(state?.position ?? 0), 1)}°` : `${fixed(state?.position ?? 0, 3)} m`);
       row.classList.toggle('blocked', state?.blocked ?? false);
     });
-  }
-}
-
-// The agents of robots, as the run tells them when it is asked.
-
-const PERIOD = 1000;  // ms, between two questions for a robot
-
-export function agentText(agent: AgentInfo): string {
-  const answer = agent.answer_seconds > 0 ? `, answers in ${fixed(1000 * agent.answer_seconds, 1)} ms` : '';
-  return `${agent.host}, process ${agent.pid}${agent.present ? answer : ', lost'}`;
-}
-
-export class Agents {
-  private readonly known = new Map<string, AgentInfo>();  // by robot
-  private readonly asked = new Map<string, number>();  // when, by robot
-
-  // `changed`: an answer has come.
-  constructor(private readonly connection: Connection, private readonly changed: () => void) {}
-
-  // The agents of the newest answer; requests them again if the last request is long ago.
-  of(robot: string): AgentInfo | null {
-    const now = performance.now();
-    if (now - (this.asked.get(robot) ?? -Infinity) >= PERIOD) {
-      this.asked.set(robot, now);
-      void this.ask(robot);
-    }
-    return this.known.get(robot) ?? null;
-  }
-
-  private async ask(robot: string): Promise<void> {
-    const reply = await this.connection.request('entities', {name: robot});
-    const agent = reply.entities?.find(({name}) => name === robot)?.agent;
-    if (agent) this.known.set(robot, agent);
-    else this.known.delete(robot);
-    this.changed();
   }
 }
 

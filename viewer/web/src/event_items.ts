@@ -25,12 +25,14 @@ export const KINDS: EventKind[] = [
   },
   {name: 'Rules', color: '--faint', types: [EventType.LaneSwitched, EventType.ZoneSwitched]},
   {name: 'Goods', color: '--goods', types: [EventType.GoodsArrived, EventType.GoodsRefused, EventType.GoodsLoaded, EventType.Delivered]},
+  {name: 'Orders', color: '--orders', types: []},  // what vehicles of VDA 5050 say
   {name: 'Messages', color: '--accent', types: [EventType.Said, EventType.Reported]},
   {name: 'Energy', color: '--energy', types: [EventType.OutOfEnergy]},
   {name: 'Agents', color: '--lost', types: [EventType.Joined, EventType.Left, EventType.ProposalRejected]},
 ];
 
-export function kindOf({type}: RunEvent): EventKind {
+export function kindOf({type, ofVehicle}: RunEvent): EventKind {
+  if (type === EventType.Said && ofVehicle) return KINDS.find(({name}) => name === 'Orders')!;
   return KINDS.find(kind => kind.types.includes(type)) ?? KINDS[0];
 }
 

@@ -12,7 +12,7 @@ import {clockText, durationText} from './times';
 
 const MOST_ROWS = 100;  // shown at first, and more each time that more are asked for
 
-export function eventText({type, robot, other, object, detail}: RunEvent): string {
+export function eventText({type, robot, other, object, detail, ofVehicle}: RunEvent): string {
   switch (type) {
     case EventType.StallBegan: return `${robot} stalls at ${other || 'the ground'}`;
     case EventType.StallEnded: return `${robot} moves again`;
@@ -46,7 +46,7 @@ export function eventText({type, robot, other, object, detail}: RunEvent): strin
     case EventType.DeadlockBroken: return `${robot} goes on; ${detail} had waited for each other`;
     case EventType.Replanned: return `${robot || 'A robot'} is sent another way${other ? ` because of ${other}` : ''}: ${detail}`;
     case EventType.NoWay: return `${robot} has had no way to its goal for 10 s: ${detail}`;
-    case EventType.Said: return `${robot} says: ${detail}`;
+    case EventType.Said: return ofVehicle ? `${robot}: ${detail}` : `${robot} says: ${detail}`;
     case EventType.Reported: return robot ? `${robot}: ${detail}` : detail;
   }
 }
@@ -55,8 +55,12 @@ const WARNINGS = [EventType.Blocked, EventType.StallBegan, EventType.Unstable, E
   EventType.DoorBlocked, EventType.LiftBlocked, EventType.WaitBegan, EventType.NoWay];
 const FAULTS = [EventType.Left, EventType.ProposalRejected];
 
+// What a vehicle of VDA 5050 says of its order when something has gone wrong.
+const TROUBLE = /^(error .*: |order .* rejected|action .* FAILED|mode MANUAL)/;
+
 // 2: a fault, 1: a warning, 0: neither.
-export function eventGravity({type}: RunEvent): number {
+export function eventGravity({type, detail, ofVehicle}: RunEvent): number {
+  if (type === EventType.Said && ofVehicle) return detail.split('; ').some(each => TROUBLE.test(each)) ? 1 : 0;
   return FAULTS.includes(type) ? 2 : WARNINGS.includes(type) ? 1 : 0;
 }
 
@@ -189,8 +193,7 @@ export class EventList {
   }
 
   private row(run: Run, event: RunEvent, text: string): HTMLElement {
-    const isWarning = WARNINGS.includes(event.type);
-    const row = make('button', `event${isWarning ? ' warning' : FAULTS.includes(event.type) ? ' fault' : ''}`);
+    const row = make('button', `event${['', ' warning', ' fault'][eventGravity(event)]}`);
     row.dataset.key = `${event.position} ${event.type} ${event.robot}`;
     row.title = 'Go to this moment';
     row.classList.toggle('now', run.past && event.position === run.position);

@@ -3,6 +3,7 @@
 // Parts know the connection and what they show, not each other. An update of the gateway is applied to the Run at once,
 // and the scene is drawn at the next frame; panels are refreshed at most ten times a second, because text costs more
 // than a picture.
+import {Agents, agentText} from './agents';
 import {Connection, type AgentInfo, type Proof, type SessionInfo} from './connection';
 import {Download} from './download';
 import {Dock, isTab, type Tab} from './dock';
@@ -10,7 +11,7 @@ import {allow, byId, setOn, setText, tellRefusals, throttled, toast} from './dom
 import {Driving, GripperButtons} from './driving';
 import {Editing} from './editing';
 import {DoorButtons} from './doors';
-import {Agents, agentText, EntityPanel} from './entity_panel';
+import {EntityPanel} from './entity_panel';
 import {FileEditor} from './file_editor';
 import {GifRecording} from './gif_recording';
 import {save, Video} from './graphics';
@@ -28,6 +29,8 @@ import {installTestInterface} from './test_interface';
 import {ThingList} from './thing_list';
 import {TimeBar} from './time_bar';
 import {Popup, Toolbar} from './toolbar';
+import {VehiclePanel} from './vehicle_panel';
+import {Vehicles, type VehicleState} from './vehicles';
 
 // The fragment of the address, for links to a view:
 // #robot=r0&tab=sensors&view=top&levels=L2&follow=1&rays=all&tick=120
@@ -154,6 +157,8 @@ class Viewer {
   private readonly video: Video;
   private readonly panel = new EntityPanel();
   private readonly agents: Agents;
+  private readonly vehicles: Vehicles;
+  private readonly vehiclePanel = new VehiclePanel();
   private readonly things = new ThingList({
     select: entity => this.selectAndCenter(entity),
     showLevel: name => this.scene.chooseLevels(name),
@@ -182,6 +187,7 @@ class Viewer {
 
   constructor() {
     this.agents = new Agents(this.connection, () => this.refresh());
+    this.vehicles = new Vehicles(this.connection, this.agents, () => this.refresh());
     this.timeBar = new TimeBar(this.connection, this.eventItems, () => this.remember());
     this.editing = new Editing(this.scene, this.connection, {
       run: () => this.run,
@@ -365,6 +371,9 @@ class Viewer {
     if (!this.run?.hasState) return;
     this.things.show(this.run, this.selected, this.scene.levels);
     this.panel.show(this.run, this.selected, this.agentOf(this.selectedRobot));
+    const vehicle = this.vehicleState;
+    this.vehiclePanel.show(vehicle);
+    this.scene.setVehicle(this.selectedRobot, vehicle);
     this.grippers.show(this.run, this.selectedRobot);
     this.doors.show(this.run, this.selected);
     this.showRefusals();
@@ -395,10 +404,20 @@ class Viewer {
     allow('follow', this.selected ? '' : 'Select the robot or the object to follow.');
   }
 
+  // The service of the run can be asked about its newest state.
+  private get isLive(): boolean {
+    return this.run !== null && this.online && !this.file && !this.info?.recording && !this.run.past && !this.run.over;
+  }
+
   // The agent of a robot of the live run; a recording has none.
   private agentOf(robot: number): AgentInfo | null {
-    if (!this.run || robot < 0 || !this.online || this.file || this.info?.recording || this.run.past || this.run.over) return null;
-    return this.agents.of(this.run.world.robots[robot].name);
+    return this.run && robot >= 0 && this.isLive ? this.agents.of(this.run.world.robots[robot].name) : null;
+  }
+
+  // Of the selected robot; null: it is no vehicle, or has sent none.
+  private get vehicleState(): VehicleState | null {
+    const robot = this.selectedRobot;
+    return this.run && robot >= 0 && this.online && !this.file ? this.vehicles.of(this.run, robot, this.isLive) : null;
   }
 
   private agentHint(robot: string): string {

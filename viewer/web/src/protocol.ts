@@ -99,6 +99,7 @@ export interface RunEvent {
   other: string;  // models
   object: string;
   detail: string;
+  ofVehicle?: boolean;  // its robot is a vehicle of VDA 5050
 }
 
 // The fields of StatusMessage (transport/protocol/messages.h), as JSON.

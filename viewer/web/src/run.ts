@@ -10,6 +10,7 @@ import {
   type World,
 } from './protocol';
 
+export const VEHICLE_CONTROLLER = 'vda5050';
 const MOST_EVENTS = 10_000;  // as the gateway keeps
 
 export class Run extends StateTables {
@@ -32,8 +33,11 @@ export class Run extends StateTables {
   lostAgents = new Set<string>();  // of robots, by name
   spans: TimeSpan[] = [];  // of the timeline, ascending
 
+  private readonly vehicles: Set<string>;  // of VDA 5050, by name
+
   constructor(public readonly world: World, before: Run | null) {
     super();
+    this.vehicles = new Set(world.robots.filter(({controller}) => controller.name === VEHICLE_CONTROLLER).map(({name}) => name));
     if (before?.world.run !== world.run) return;
     this.spans = before.spans;
     this.events = before.events;
@@ -53,6 +57,7 @@ export class Run extends StateTables {
     for (const event of update.events) {
       if (event.type === EventType.Left) this.lostAgents.add(event.robot);
       if (event.type === EventType.Joined) this.lostAgents.delete(event.robot);
+      event.ofVehicle = this.vehicles.has(event.robot);
       this.events.push(event);
     }
     if (this.events.length > MOST_EVENTS) this.events.splice(0, this.events.length - MOST_EVENTS);

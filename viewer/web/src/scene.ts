@@ -22,6 +22,8 @@ import {Ground, StaticMap} from './static_map';
 import {Surfaces} from './surfaces';
 import {TrafficMarks} from './traffic_marks';
 import {ZoneMarks} from './zone_marks';
+import {VehicleMarks} from './vehicle_marks';
+import type {VehicleState} from './vehicles';
 
 export type ViewName = 'orbit' | 'top';
 
@@ -52,6 +54,7 @@ export class WorldScene {
   readonly trails = new Trails();
   readonly traffic = new TrafficMarks();
   readonly zones = new ZoneMarks();
+  readonly vehicle = new VehicleMarks();
   readonly motion = new Motion();
   view: ViewName = 'orbit';
   following = false;
@@ -105,7 +108,7 @@ export class WorldScene {
     for (const camera of [this.perspective, this.orthographic]) camera.layers.enableAll();
     this.scene.add(
       ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.goals.lines, this.zones.group,
-      this.traffic.group, this.rings.group, this.ghostRings.group, this.ghost);
+      this.traffic.group, this.vehicle.group, this.rings.group, this.ghostRings.group, this.ghost);
     this.ghost.visible = false;
     this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
     this.ghost.renderOrder = 2;
@@ -221,6 +224,11 @@ export class WorldScene {
     this.place();
   }
 
+  // The vehicle of VDA 5050 whose way is shown; null: none.
+  setVehicle(robot: number, state: VehicleState | null): void {
+    if (this.vehicle.set(robot, state)) this.invalidate();
+  }
+
   // Puts everything where it is drawn now.
   private place(): void {
     if (!this.setting || !this.run) return;
@@ -234,6 +242,7 @@ export class WorldScene {
     this.marks.show(run);
     this.zones.show(run);
     this.traffic.show(run);
+    this.vehicle.show(run);
     const poseIn = (entity: Entity): Pose | null => {
       const placed = poseOf(run, entity);
       return placed && !isAway(placed) ? placed : null;

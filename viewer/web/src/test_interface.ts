@@ -33,6 +33,8 @@ export interface TestInterface {
   traffic(): {ways: string[]; waits: Array<{robot: string; thing: string; ring: boolean}>};
   // The zones that are drawn.
   zones(): ShownZone[];
+  // The nodes of the selected vehicle's order that are drawn.
+  vehicleMarks(): {base: string[]; horizon: string[]};
   // The names by index.
   names(): {models: string[]; robots: string[]};
   // Whether each light is lit, by the name of its model.
@@ -127,6 +129,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
         })),
       };
     },
+    vehicleMarks: () => ({base: scene.vehicle.base, horizon: scene.vehicle.horizon}),
     names: () => {
       const world = host.run()?.world;
       return {models: world?.models.map(({name}) => name) ?? [], robots: world?.robots.map(({name}) => name) ?? []};

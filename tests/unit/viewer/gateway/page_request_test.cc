@@ -208,6 +208,18 @@ TEST(PageRequestTest, AsksForTheAgentOfARobot) {
                                  R"("times_last":3})"));
 }
 
+TEST(PageRequestTest, AsksForTheStateOfAVehicle) {
+  const PageRequest request =
+      test::ValueOf(ParsePageRequest(R"({"type": "vehicle", "id": 5, "robot": "cart_1", "position": 12})"));
+  EXPECT_EQ(std::get<VehicleRequest>(request), (VehicleRequest{5, "cart_1", 12}));
+  EXPECT_FALSE(ParsePageRequest(R"({"type": "vehicle", "id": 5, "robot": "cart_1"})").ok());
+  ControlReply reply;
+  reply.entities.push_back({"cart_1", "cart"});
+  reply.entities[0].signals = "robot {}\nvehicle {\"orderId\":\"o\"}";
+  EXPECT_THAT(ReplyToControl(4, reply).text,
+              testing::HasSubstr(R"("signals":"robot {}\nvehicle {\"orderId\":\"o\"}")"));
+}
+
 TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
   const std::string edit =
       R"({"type": "edit", "id": 3, "op": "set_text", "text": ")" + std::string(20'000, 'x') + "\"}";
