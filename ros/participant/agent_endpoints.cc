@@ -75,8 +75,10 @@ void HostDomain::ServeCycloneIfFound() {
 }
 
 void HostDomain::BeginRound(const std::string& text) {
-  if (gate->Arm(text)) {
-    const std::string series = text.substr(0, text.rfind(' '));
+  const std::size_t tick_at = text.rfind(' ');
+  // A text without a tick is of a process that prepares to wait: it continues what one before it has begun.
+  if (gate->Arm(text) && tick_at != std::string::npos) {
+    const std::string series = text.substr(0, tick_at);
     const bool is_new_run = std::exchange(frame_series, series) != series;
     for (AgentEndpoints* const agent : agents) agent->BeginRound(is_new_run);
     pools.readers.VisitAll([is_new_run](ReusableReader& reader) { reader.BeginRound(is_new_run); });

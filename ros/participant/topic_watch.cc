@@ -28,7 +28,7 @@ std::string TopicOf(const std::string& watched) {
 // Of one topic, with the type of its first writer.
 struct TopicWatch::AnyReader {
   AnyReader(const RosParticipant& participant, const std::string& topic, std::string type, bool reliable,
-            std::function<void()> on_message)
+            std::function<void(dds_instance_handle_t writer)> on_message)
       : type_name(std::move(type)), notify(std::move(on_message)) {
     descriptor.m_typename = type_name.c_str();
     topic_entity = dds::Entity(dds::CreateTopic(participant.participant(), descriptor, topic));
@@ -47,17 +47,17 @@ struct TopicWatch::AnyReader {
   ~AnyReader() { reader.close(); }
 
   void Read() {
-    bool arrived = false;
     for (;;) {
       const auto samples = dds::Loan<char>(reader.handle(), dds_take, "taking samples");
-      if (samples.empty()) break;
-      for (const auto sample : samples) arrived = arrived || sample.info().valid();
+      if (samples.empty()) return;
+      for (const auto sample : samples) {
+        if (sample.info().valid()) notify(sample.info().publication_handle());
+      }
     }
-    if (arrived) notify();
   }
 
   const std::string type_name;
-  const std::function<void()> notify;
+  const std::function<void(dds_instance_handle_t)> notify;
   dds_topic_descriptor_t descriptor = any_type_Message__desc;
   dds::Entity topic_entity;
   dds::DataReaderListener listener;
@@ -117,7 +117,10 @@ void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& wat
   }
   if (IsNode(watched) && !answers_) {
     answers_ = std::make_unique<AnswerReader>(
-        participant_, [this](const std::string& node, dds_instance_handle_t writer) { Note(node, writer); });
+        participant_, [this](const std::string& node, dds_instance_handle_t writer) {
+          NoteWriter(node, writer);
+          Note(node);
+        });
   }
   // Others show the endpoints that are known already again.
   listener_.on_data_available = wake_;
@@ -195,7 +198,8 @@ void TopicWatch::Forget(const Writer& ended, dds_instance_handle_t handle) {
                                      [&ended](const auto& writer) { return writer.second.topic == ended.topic; });
   const std::lock_guard lock(mutex_);
   std::erase_if(heard_, [&](const auto& heard) {
-    return IsNode(heard.first) ? heard.second == handle : heard.first == ended.topic && !has_other;
+    const bool is_last_of_topic = heard.second == DDS_HANDLE_NIL && heard.first == ended.topic && !has_other;
+    return heard.second == handle || is_last_of_topic;
   });
 }
 
@@ -304,10 +308,12 @@ void TopicWatch::MakeReader(const dds_builtintopic_endpoint_t& writer) {
   dds_duration_t blocking = 0;
   const bool reliable = dds_qget_reliability(writer.qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
   try {
-    readers_[topic] = std::make_unique<AnyReader>(participant_, topic, writer.type_name, reliable, [this, topic] {
-      // Else the agent has perhaps not been passed it yet.
-      if (!agents_.Contain(topic)) Note(topic);
-    });
+    readers_[topic] =
+        std::make_unique<AnyReader>(participant_, topic, writer.type_name, reliable, [this, topic](auto of_message) {
+          NoteWriter(topic, of_message);
+          // Else the agent has perhaps not been passed it yet.
+          if (!agents_.Contain(topic)) Note(topic);
+        });
   } catch (const dds::Exception&) {  // another type than that of a topic here: its reader is an agent's
     readers_.erase(topic);
   }
@@ -354,11 +360,16 @@ void TopicWatch::TellTimed() {
   }
 }
 
-void TopicWatch::Note(const std::string& watched, dds_instance_handle_t writer) {
+void TopicWatch::NoteWriter(const std::string& watched, dds_instance_handle_t writer) {
+  const std::lock_guard lock(mutex_);
+  if (watches_.contains(watched)) heard_[watched] = writer;
+}
+
+void TopicWatch::Note(const std::string& watched) {
   const std::lock_guard lock(mutex_);
   const auto [begin, end] = watches_.equal_range(watched);
   if (begin == end && IsNode(watched)) return;  // any text
-  if (begin != end) heard_[watched] = writer;
+  if (begin != end) heard_.try_emplace(watched, DDS_HANDLE_NIL);
   if (round_.text.empty() || !round_.arrived.insert(watched).second) return;
   for (auto watch = begin; watch != end; ++watch) watch->second.callbacks.on_arrival(round_.text);
 }

@@ -13,7 +13,7 @@
 // simulated time.
 //
 // A watch may be of a node that answers on /world/tick_done by its name, too. Any watch is heard from its first message
-// until the program that wrote it has ended. One that is not heard is `present` once a program could write its first
+// until the program that wrote its newest one has ended, though another program may write on the topic. One that is not heard is `present` once a program could write its first
 // message: TickGate then holds no tick back for it any longer.
 #pragma once
 
@@ -148,8 +148,8 @@ class TopicWatch {
     dds_instance_handle_t program;
   };
 
-  // `writer`: of a node's answer.
-  void Note(const std::string& watched, dds_instance_handle_t writer = DDS_HANDLE_NIL);
+  void Note(const std::string& watched);
+  void NoteWriter(const std::string& watched, dds_instance_handle_t writer);
   void FollowWriters();
   void FollowReaders();
   bool IsWatched(const std::string& topic);
@@ -173,7 +173,8 @@ class TopicWatch {
   Round round_;
   Round previous_;
   std::multimap<std::string, Watch> watches_;           // by topic or node
-  std::map<std::string, dds_instance_handle_t> heard_;  // of a node: its writer
+  // The writer of the newest message; null: it is not known.
+  std::map<std::string, dds_instance_handle_t> heard_;
   dds::DataReaderListener listener_;
   dds::Entity publications_;   // a reader of discovered writers
   dds::Entity subscriptions_;  // of discovered readers
