@@ -87,6 +87,7 @@ void TickGate::Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWrit
                      std::span<const std::byte> bytes, bool is_again) {
   if (is_again && !asked_.contains(&agent)) return;
   const bool is_for_late_readers = is_again && !is_closed_;
+  if (is_for_late_readers && !late_topics_.contains(writer.topic())) return;
   const std::optional<std::int64_t> stamp = StampOf(bytes, writer.type());
   const std::size_t hash = HashOf(writer.topic(), bytes);
   // An agent that is started again when its tick was released shows it when the next one is armed.
@@ -107,6 +108,7 @@ void TickGate::Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWrit
 }
 
 void TickGate::Tell(AgentEndpoints& agent, Announcement announcement, std::set<std::uint32_t> awaited) {
+  ++tells_;
   told_ = Told{&agent, std::move(announcement), std::move(awaited)};
   Update();
 }
@@ -120,6 +122,7 @@ void TickGate::Remove(AgentEndpoints& agent) {
     std::erase_if(round->held, [&agent](const Held& held) { return held.agent == &agent; });
   }
   if (told_ && told_->agent == &agent) told_.reset();
+  if (agent.tells()) tells_ = 0;
   asked_.erase(&agent);
   calls_.Remove(agent);
   UpdateBy(Clock::now());
@@ -216,6 +219,7 @@ bool TickGate::HasProbed(const std::vector<TopicWatch::Unheard>& unheard, Time n
   probed_at_ = {};
   for (const TopicWatch::Unheard& watch : unheard) {
     is_probed_ = is_probed_ && !watch.is_node;
+    if (watch.is_node) continue;
     for (const dds_instance_handle_t program : watch.programs) {
       const std::vector<std::string> services = watch_.ParameterServicesOf(program);
       is_probed_ = is_probed_ && !services.empty();
@@ -251,7 +255,7 @@ void TickGate::ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard
   if (!HasProbed(unheard, now) && now - std::max(asked_at_, ChangedAt()) < kMaxProbe) return UpdateBy(now + kPoll);
   if (std::max(reader_at, probed_at_) > asked_at_) {
     const Time quiet_at = ChangedAt() + kQuiet;
-    if (now >= quiet_at) return Ask(now);
+    if (now >= quiet_at) return AskForLate(unheard, now);
     return UpdateBy(quiet_at);
   }
   const bool is_starting =
@@ -264,9 +268,17 @@ void TickGate::ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard
   if (now >= show_again_at_) {
     show_again_after_ *= 2;
     show_again_at_ = now + show_again_after_;
-    Ask(now);
+    AskForLate(unheard, now);
   }
   UpdateBy(show_again_at_);
+}
+
+// Other topics stay as they are: their readers may count what they receive.
+void TickGate::AskForLate(const std::vector<TopicWatch::Unheard>& unheard, Time now) {
+  std::set<dds_instance_handle_t> programs;
+  for (const TopicWatch::Unheard& watch : unheard) programs.insert(watch.programs.begin(), watch.programs.end());
+  late_topics_ = watch_.FindRead(programs, asked_at_);
+  Ask(now);
 }
 
 void TickGate::Ask(Time now) {
@@ -281,7 +293,7 @@ void TickGate::Open() {
   held_bytes_ = 0;
   for (const Held& held : std::exchange(round_.held, {})) held.agent->WriteSample(held.writer, held.bytes);
   if (!told_ || std::exchange(told_->is_written, true)) return;
-  told_->agent->Announce(told_->announcement, ListOfTopics());
+  told_->agent->Announce(told_->announcement, ListOfTopics(), std::exchange(tells_, 0));
 }
 
 std::string TickGate::ListOfTopics() const {

@@ -112,7 +112,10 @@ TopicWatch::~TopicWatch() {
 void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& watched, Callbacks callbacks) {
   {
     const std::lock_guard lock(mutex_);
-    if (round_.arrived.contains(watched)) callbacks.on_arrival(round_.text);
+    if (round_.arrived.contains(watched)) {
+      callbacks.on_arrival(round_.text);
+      heard_.try_emplace(watched, DDS_HANDLE_NIL);
+    }
     watches_.emplace(watched, Watch{owner, id, std::move(callbacks)});
   }
   if (IsNode(watched) && !answers_) {
@@ -134,7 +137,7 @@ void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& wat
   follow(publications_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
   follow(subscriptions_, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
   const std::map<dds_instance_handle_t, Writer> before = std::exchange(writers_, {});
-  of_clock_.clear();
+  of_domain_.clear();
   parameter_services_.clear();
   Update();
   for (const auto& [handle, writer] : before) {
@@ -203,11 +206,13 @@ void TopicWatch::Forget(const Writer& ended, dds_instance_handle_t handle) {
   });
 }
 
+bool TopicWatch::is_unknown(dds_instance_handle_t writer) const {
+  return std::none_of(heard_.begin(), heard_.end(), [writer](const auto& heard) { return heard.second == writer; });
+}
+
 std::size_t TopicWatch::unknown_writers() const {
   return static_cast<std::size_t>(std::count_if(writers_.begin(), writers_.end(), [this](const auto& writer) {
-    if (writer.second.topic != kAnswerTopic) return false;
-    return std::none_of(heard_.begin(), heard_.end(),
-                        [&writer](const auto& heard) { return heard.second == writer.first; });
+    return writer.second.topic == kAnswerTopic && is_unknown(writer.first);
   }));
 }
 
@@ -235,14 +240,22 @@ std::vector<TopicWatch::Unheard> TopicWatch::FindUnheard() {
     if (added.is_node) {
       nodes.insert(watched);
       added.is_present = nodes.size() <= writers;
-      continue;
     }
     for (const auto& [handle, writer] : writers_) {
-      if (writer.topic == watched) added.programs.insert(writer.program);
+      const bool may_write = added.is_node ? writer.topic == kAnswerTopic && is_unknown(handle) : writer.topic == watched;
+      if (may_write) added.programs.insert(writer.program);
     }
-    added.is_present = !added.programs.empty();
+    if (!added.is_node) added.is_present = !added.programs.empty();
   }
   return unheard;
+}
+
+std::set<std::string> TopicWatch::FindRead(const std::set<dds_instance_handle_t>& programs, Time since) const {
+  std::set<std::string> topics;
+  for (const auto& [handle, reader] : of_domain_) {
+    if (reader.came_at > since || programs.contains(reader.program)) topics.insert(reader.topic);
+  }
+  return topics;
 }
 
 std::set<std::string> TopicWatch::FindMissing(const void* owner, const std::set<std::uint32_t>& ids) {
@@ -328,14 +341,14 @@ void TopicWatch::FollowReaders() {
       changed_at_ = std::chrono::steady_clock::now();
       const dds_instance_handle_t reader = sample.info().instance_handle();
       if (!sample.info().instance_alive()) {
-        of_clock_.erase(reader);
+        of_domain_.erase(reader);
         parameter_services_.erase(reader);
         continue;
       }
       if (!sample.info().valid()) continue;
       const std::string_view topic = sample.data().topic_name;
       const dds_instance_handle_t program = sample.data().participant_instance_handle;
-      if (topic == kClockTopic) of_clock_[reader] = program;
+      if (topic.starts_with("rt/")) of_domain_[reader] = {std::string(topic), program, changed_at_};
       if (topic.starts_with("rq/") && topic.ends_with(kParameterRequests) &&
           IsOfCyclone(sample.data().participant_key)) {
         constexpr std::size_t kBegin = 2;  // of "rq/driver/get_parametersRequest"
@@ -348,7 +361,9 @@ void TopicWatch::FollowReaders() {
 
 void TopicWatch::TellTimed() {
   std::set<dds_instance_handle_t> with_clock;
-  for (const auto& [reader, program] : of_clock_) with_clock.insert(program);
+  for (const auto& [handle, reader] : of_domain_) {
+    if (reader.topic == kClockTopic) with_clock.insert(reader.program);
+  }
   std::set<std::string> timed;
   for (const auto& [handle, writer] : writers_) {
     if (with_clock.contains(writer.program)) timed.insert(writer.topic);
@@ -362,7 +377,8 @@ void TopicWatch::TellTimed() {
 
 void TopicWatch::NoteWriter(const std::string& watched, dds_instance_handle_t writer) {
   const std::lock_guard lock(mutex_);
-  if (watches_.contains(watched)) heard_[watched] = writer;
+  // A topic may have lost its watches with the process that had them. A name of a node may be any text.
+  if (!IsNode(watched) || watches_.contains(watched)) heard_[watched] = writer;
 }
 
 void TopicWatch::Note(const std::string& watched) {
