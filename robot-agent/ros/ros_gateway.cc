@@ -54,6 +54,7 @@ class RobotGroup {
   struct Member;
 
   Member* Find(RobotId id);
+  void Settle();
   void ShowRobots(Tick tick, std::span<const RobotView* const> robots);
   // Those from the index `first` on, as lines of the robot's node.
   void Log(const Member& robot, const std::vector<std::string>& reports, std::size_t first);
@@ -67,6 +68,7 @@ class RobotGroup {
   std::optional<ros::ClockOutput> clock_;          // these two in a domain of its own
   std::optional<ros::MapOutput> map_;
   std::int64_t interval_ns_ = 0;
+  bool is_settled_ = false;
   bool shown_ = false;  // Show was called
 };
 
@@ -180,6 +182,7 @@ RobotGroup::Member* RobotGroup::Find(RobotId id) {
 
 ExternalCommand RobotGroup::CommandFor(RobotId id, const WorldState& state) {
   const Tick tick = state.tick;
+  Settle();
   connection_.Receive();
   Member& robot = *Find(id);
   ExternalCommand external;
@@ -200,7 +203,13 @@ void RobotGroup::PublishActions(const RobotView& robot) {
   member->radios.Publish(robot);
 }
 
+// An agent that is started again has readers from its first tick on, and commands that the one before was sent.
+void RobotGroup::Settle() {
+  if (!std::exchange(is_settled_, true)) connection_.AwaitSettled();
+}
+
 void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
+  Settle();
   // Until the first reader comes: to ask all writers in vain would take an agent among many a quarter of its time,
   // because each has a place of its own in memory. The first call writes the static transforms.
   if (!std::exchange(shown_, true) || connection_.had_reader()) ShowRobots(tick, robots);

@@ -24,6 +24,8 @@ constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; afte
 constexpr std::size_t kMaxPending = std::size_t{256} << 10;
 constexpr auto kMaxSend = std::chrono::seconds(1);
 constexpr int kSendMilliseconds = 5;
+constexpr auto kMaxSettle = std::chrono::seconds(10);
+constexpr auto kMaxSettleWithoutProgram = std::chrono::seconds(1);
 constexpr std::size_t kMaxRequests = 1000;  // waiting; as many as DDS would keep
 
 std::span<const std::byte> BytesOf(std::string_view text) {
@@ -263,6 +265,19 @@ void HostConnection::AwaitSent() {
   }
 }
 
+void HostConnection::AwaitSettled() {
+  const Clock::time_point begin = Clock::now();
+  std::unique_lock lock(mutex_);
+  is_settling_ = true;
+  Send(LinkKind::kSettle, kNothing);
+  FlushNow();
+  while (is_settling_) {
+    const Clock::time_point end = begin + (link_ ? Clock::duration(kMaxSettle) : Clock::duration(kMaxSettleWithoutProgram));
+    if (Clock::now() >= end) return;
+    settled_.wait_until(lock, end);
+  }
+}
+
 void HostConnection::ConfirmShown() {
   const std::lock_guard lock(mutex_);
   Send(LinkKind::kShown, kNothing);
@@ -394,6 +409,8 @@ bool HostConnection::Open() {
   for (const Made& made : made_) Send(LinkKind::kMake, made.id, BytesOf(made.text));
   for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
   if (announced_) Send(LinkKind::kAnnounce, 0);
+  if (is_settling_) Send(LinkKind::kSettle, kNothing);
+  settled_.notify_all();  // the limit is another one
   if (!arm_.empty()) Send(LinkKind::kArm, 0, BytesOf(arm_));
   // Answers to those before are lost with the program; the newest stands for them.
   tells_ = std::min(tells_, 1);
@@ -506,6 +523,10 @@ void HostConnection::Process(const LinkMessage& message) {
       return ProcessWatched(message);
     case LinkKind::kShowAgain:
       must_show_again_ = true;
+      return;
+    case LinkKind::kSettled:
+      is_settling_ = false;
+      settled_.notify_all();
       return;
     default:
       return;

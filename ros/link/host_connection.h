@@ -14,6 +14,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -55,6 +56,9 @@ class HostConnection final : public RosConnection {
   std::vector<std::string> DrainMismatches() override;
   void Receive() override;
   void Flush() override;
+  // Waits until the program has made all endpoints, and has told which have readers and what was kept for them; for some
+  // seconds at most, or one without a program.
+  void AwaitSettled();
   // Waits until all that was written has been passed to the program, or for a second: it may be dead.
   void AwaitSent();
   // Whether the program has asked since the last call to show the tick again to all readers; then ConfirmShown follows.
@@ -142,6 +146,8 @@ class HostConnection final : public RosConnection {
   std::mutex changing_;   // guards the one below, and is held while it runs
   std::function<void()> changed_;
   std::mutex mutex_;            // guards all below
+  std::condition_variable settled_;
+  bool is_settling_ = false;    // AwaitSettled waits
   std::unique_ptr<Link> link_;  // null: not connected. Only the thread replaces it
   bool broken_ = false;         // the thread is to close the link
   std::uint32_t next_id_ = 0;   // of the next part

@@ -38,6 +38,7 @@ enum class LinkKind : std::uint8_t {
   kWrite,       // a sample of a writer, or a response of a service, as CDR
   kWriteAgain,  // of a writer: a sample of the tick that the agent has shown already, for late readers
   kShown,       // the answer to kShowAgain: the tick has been written again
+  kSettle,      // the answer is kSettled, behind all that follows from what was sent before
   // Of a process whose ticks wait for ROS (TopicWatch).
   kArm,      // any text: the next message on each watched topic is to be told, unless that was done for this text
   kShow,     // the tick whose text is armed is published: nodes may know of it before kTell
@@ -57,6 +58,7 @@ enum class LinkKind : std::uint8_t {
   kTold,      // of a writer: the sample of kTell that was written, as CDR
   kHeld,      // the tick of kTell is held back until nodes can receive it; the ids of watches without a program
   kShowAgain,  // the tick is to be shown again, to all readers; the answer is kShown
+  kSettled,    // the answer to kSettle
   // Of the side on Fast DDS.
   kServed,  // a ServedContent: of a service
 };

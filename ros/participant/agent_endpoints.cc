@@ -75,8 +75,12 @@ void HostDomain::ServeCycloneIfFound() {
 }
 
 void HostDomain::BeginRound(const std::string& text) {
-  if (gate->Arm(text)) {
-    const std::string series = text.substr(0, text.rfind(' '));
+  const std::size_t tick_at = text.rfind(' ');
+  // A text without a tick is of a process that prepares to wait. What one before it has begun goes on.
+  const bool prepares = tick_at == std::string::npos;
+  if (prepares && frame_series.starts_with(text)) return;
+  if (gate->Arm(text) && !prepares) {
+    const std::string series = text.substr(0, tick_at);
     const bool is_new_run = std::exchange(frame_series, series) != series;
     for (AgentEndpoints* const agent : agents) agent->BeginRound(is_new_run);
     pools.readers.VisitAll([is_new_run](ReusableReader& reader) { reader.BeginRound(is_new_run); });
@@ -180,6 +184,8 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
     case LinkKind::kShown:
       if (domain_->gate) domain_->gate->OnShown(*this);
       return;
+    case LinkKind::kSettle:
+      return Send(LinkKind::kSettled, kNothing);
     case LinkKind::kArm:
       PrepareToWait();
       domain_->BeginRound(TextOf(message.content));
@@ -242,7 +248,7 @@ void AgentEndpoints::Tell(const LinkMessage& message) {
                       awaited_);
 }
 
-void AgentEndpoints::Announce(const TickGate::Announcement& announcement, const std::string& topics) {
+void AgentEndpoints::Announce(const TickGate::Announcement& announcement, const std::string& topics, int tells) {
   const auto found = writers_.find(announcement.writer);
   if (found == writers_.end()) return;
   dds::WireArena arena;
@@ -250,7 +256,8 @@ void AgentEndpoints::Announce(const TickGate::Announcement& announcement, const 
   header.stamp = {announcement.seconds, announcement.nanoseconds};
   header.frame_id = arena.Copy(topics);
   // First, because an answer may arrive at once.
-  Send(LinkKind::kTold, announcement.writer, wire::SampleToCdr(&header, found->second.endpoint->type()));
+  const auto told = wire::SampleToCdr(&header, found->second.endpoint->type());
+  for (; tells > 0; --tells) Send(LinkKind::kTold, announcement.writer, told);
   if (!found->second.endpoint->writer().Write(&header)) domain_->participant.CountLost();
 }
 

@@ -162,8 +162,10 @@ class AgentEndpoints {
   // Calls of the TickGate.
   // Writes a sample of one of its writers, if that still exists.
   void WriteSample(std::uint32_t id, std::span<const std::byte> bytes);
-  // Writes /world/tick with this list of topics.
-  void Announce(const TickGate::Announcement& announcement, const std::string& topics);
+  // Writes /world/tick with this list of topics, for so many messages kTell, each of which has its answer.
+  void Announce(const TickGate::Announcement& announcement, const std::string& topics, int tells);
+  // Whether its ticks wait.
+  bool tells() const { return domain_ != nullptr && domain_->waiting == this; }
   void SendHeld(const std::set<std::uint32_t>& absent);
   // Asks the agents of the domain that show ticks to show theirs again; returns them.
   std::set<AgentEndpoints*> AskToShow();

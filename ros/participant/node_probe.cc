@@ -26,25 +26,25 @@ NodeProbe::NodeProbe(const RosParticipant& participant, const std::string& servi
       reader_(participant.subscriber(), response_topic_,
               ToDds(Service()) << TypeUserData<Response>(participant.distribution())) {}
 
-bool NodeProbe::Poll(Time now) {
+std::optional<NodeProbe::Time> NodeProbe::Poll(Time now) {
   for (;;) {
     const auto samples = reader_.take();
     if (samples.empty()) break;
     for (const auto sample : samples) {
-      is_answered_ = is_answered_ || (sample.info().valid() && sample.data().client_guid == id_);
+      if (!answered_at_ && sample.info().valid() && sample.data().client_guid == id_) answered_at_ = now;
     }
   }
   const bool is_due = !asked_at_ || now - *asked_at_ > kAskAgain;
-  if (is_answered_ || !is_due || writer_.publication_matched_status().current_count == 0 ||
+  if (answered_at_ || !is_due || writer_.publication_matched_status().current_count == 0 ||
       reader_.subscription_matched_status().current_count == 0) {
-    return is_answered_;
+    return answered_at_;
   }
   asked_at_ = now;
   Request request{};
   request.client_guid = id_;
   request.sequence_number = ++questions_;
   writer_.write(request);
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace troupe::ros

@@ -23,8 +23,8 @@ class NodeProbe {
   // this.
   NodeProbe(const RosParticipant& participant, const std::string& service);
 
-  // Asks as soon as the service is known, and again each second. Whether the node has answered.
-  bool Poll(Time now);
+  // Asks as soon as the service is known, and again each second. When the node has answered.
+  std::optional<Time> Poll(Time now);
 
  private:
   using Request = rcl_interfaces_srv_dds__GetParameters_Request_;
@@ -37,7 +37,7 @@ class NodeProbe {
   dds::DataReader<Response> reader_;
   std::int64_t questions_ = 0;
   std::optional<Time> asked_at_;
-  bool is_answered_ = false;
+  std::optional<Time> answered_at_;
 };
 
 }  // namespace troupe::ros

@@ -87,7 +87,7 @@ void ReusableReader::Attach(std::size_t node, Sink sink) {
     // Samples for the agent before, such as a command from before a reset, are not for this one.
     if (std::exchange(used_, true) && round_ == 0) reader_.Drain([](const void*) {});
     sink_ = std::move(sink);
-    for (const Kept& kept : kept_) sink_->on_sample(kept.sample, true);
+    for (Kept& kept : kept_) sink_->on_sample(kept.sample, std::exchange(kept.was_passed, true));
     if (reader_.missed_writer()) sink_->on_missed_writer();
   }
   Pass();
@@ -103,6 +103,7 @@ void ReusableReader::BeginRound(bool is_new_run) {
   const std::lock_guard lock(mutex_);
   ++round_;
   std::erase_if(kept_, [&](const Kept& kept) { return is_new_run || kept.round + 1 < round_; });
+  for (Kept& kept : kept_) kept.was_passed = true;
   if (is_new_run && !sink_) reader_.Drain([](const void*) {});
 }
 
@@ -113,7 +114,7 @@ void ReusableReader::Pass() {
     std::vector<std::byte> bytes = wire::SampleToCdr(sample, type_);
     if (sink_) sink_->on_sample(bytes, false);
     if (round_ == 0) return;
-    kept_.push_back({round_, std::move(bytes)});
+    kept_.push_back({round_, sink_.has_value(), std::move(bytes)});
     if (kept_.size() > depth_) kept_.pop_front();
   });
 }

@@ -116,7 +116,7 @@ class ReusableWriter {
 class ReusableReader {
  public:
   struct Sink {
-    // `is_again`: an agent before had the sample.
+    // `is_again`: an agent before had the sample, or it is of the round before.
     std::function<void(std::span<const std::byte> sample, bool is_again)> on_sample;  // CDR
     std::function<void()> on_missed_writer;
   };
@@ -135,6 +135,7 @@ class ReusableReader {
  private:
   struct Kept {
     std::uint64_t round;
+    bool was_passed;  // to an agent, or it is of a round before
     std::vector<std::byte> sample;
   };
 

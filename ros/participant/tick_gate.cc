@@ -48,6 +48,16 @@ std::optional<std::int64_t> StampOf(std::span<const std::byte> bytes, const dds_
   return std::int64_t{whole} * 1'000'000'000 + nanoseconds;
 }
 
+// Transforms have the times of their headers.
+bool HasTime(std::span<const std::byte> bytes, const dds_topic_descriptor_t& type) {
+  return StampOf(bytes, type) || std::string_view(type.m_typename) == "tf2_msgs::msg::dds_::TFMessage_";
+}
+
+// The run and the edition in a text, without the tick: after an edit the messages of the tick before are shown again.
+std::string_view SeriesOf(std::string_view text) {
+  return text.substr(0, text.rfind(' '));
+}
+
 std::size_t HashOf(const std::string& topic, std::span<const std::byte> bytes) {
   constexpr std::size_t kOdd = 0x9E3779B97F4A7C15U;  // the hash of a topic is not that of equal bytes
   return std::hash<std::string_view>()({reinterpret_cast<const char*>(bytes.data()), bytes.size()}) +
@@ -59,9 +69,10 @@ std::size_t HashOf(const std::string& topic, std::span<const std::byte> bytes) {
 bool TickGate::Arm(const std::string& text) {
   if (text == round_.text) return false;
   std::swap(round_, previous_);
-  if (text != round_.text) round_ = {text, {}, {}};
-  held_.clear();
+  if (text != round_.text) round_ = {.text = text};
+  follows_ = SeriesOf(previous_.text) == SeriesOf(text);
   held_bytes_ = 0;
+  for (const Held& held : round_.held) held_bytes_ += held.bytes.size();
   told_.reset();
   is_shown_ = false;
   asked_.clear();
@@ -76,22 +87,28 @@ void TickGate::Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWrit
                      std::span<const std::byte> bytes, bool is_again) {
   if (is_again && !asked_.contains(&agent)) return;
   const bool is_for_late_readers = is_again && !is_closed_;
+  if (is_for_late_readers && !late_topics_.contains(writer.topic())) return;
   const std::optional<std::int64_t> stamp = StampOf(bytes, writer.type());
-  const bool is_new = round_.seen.insert(HashOf(writer.topic(), bytes)).second;
+  const std::size_t hash = HashOf(writer.topic(), bytes);
+  // An agent that is started again when its tick was released shows it when the next one is armed.
+  const bool has_time = HasTime(bytes, writer.type());
+  const bool is_of_tick_before = has_time && follows_ && previous_.seen.contains(hash);
+  const bool is_new = round_.seen.insert(hash).second && !is_of_tick_before;
   if (!is_for_late_readers) {
     // The time is repeated in any wait.
-    if (!is_new && (stamp || is_again || (is_closed_ && writer.topic() == kClockTopic))) return;
+    if (!is_new && (has_time || is_again || (is_closed_ && writer.topic() == kClockTopic))) return;
     Count& count = round_.counts[writer.topic()];
     ++count.messages;
     count.stamp = stamp;
   }
   if (!is_closed_ || !writer.is_volatile()) return agent.WriteSample(id, bytes);
-  held_.push_back({&agent, id, {bytes.begin(), bytes.end()}});
+  round_.held.push_back({&agent, id, {bytes.begin(), bytes.end()}});
   held_bytes_ += bytes.size();
   if (held_bytes_ > kMaxHeld) Open();
 }
 
 void TickGate::Tell(AgentEndpoints& agent, Announcement announcement, std::set<std::uint32_t> awaited) {
+  ++tells_;
   told_ = Told{&agent, std::move(announcement), std::move(awaited)};
   Update();
 }
@@ -101,8 +118,11 @@ void TickGate::OnShown(AgentEndpoints& agent) {
 }
 
 void TickGate::Remove(AgentEndpoints& agent) {
-  std::erase_if(held_, [&agent](const Held& held) { return held.agent == &agent; });
+  for (Round* const round : {&round_, &previous_}) {
+    std::erase_if(round->held, [&agent](const Held& held) { return held.agent == &agent; });
+  }
   if (told_ && told_->agent == &agent) told_.reset();
+  if (agent.tells()) tells_ = 0;
   asked_.erase(&agent);
   calls_.Remove(agent);
   UpdateBy(Clock::now());
@@ -196,16 +216,20 @@ NodeProbe* TickGate::FindProbe(dds_instance_handle_t program, const std::string&
 bool TickGate::HasProbed(const std::vector<TopicWatch::Unheard>& unheard, Time now) {
   bool has_answers = true;
   is_probed_ = true;
+  probed_at_ = {};
   for (const TopicWatch::Unheard& watch : unheard) {
     is_probed_ = is_probed_ && !watch.is_node;
+    if (watch.is_node) continue;
     for (const dds_instance_handle_t program : watch.programs) {
       const std::vector<std::string> services = watch_.ParameterServicesOf(program);
       is_probed_ = is_probed_ && !services.empty();
       for (const std::string& service : services) {
         NodeProbe* const probe = FindProbe(program, service);
         is_probed_ = is_probed_ && probe != nullptr;
-        const bool is_answered = probe == nullptr || probe->Poll(now);
-        has_answers = has_answers && is_answered;
+        if (probe == nullptr) continue;
+        const std::optional<Time> answered_at = probe->Poll(now);
+        has_answers = has_answers && answered_at;
+        probed_at_ = std::max(probed_at_, answered_at.value_or(Time()));
       }
     }
   }
@@ -224,13 +248,14 @@ bool TickGate::IsSettled(const std::vector<TopicWatch::Unheard>& unheard, Time n
   return now >= quiet_at;
 }
 
-// The tick was told, and waits for a node that has never been heard of.
+// The tick was told, and waits for a node that has not been heard of, or whose program before has ended. One that answers
+// a probe only now may have missed the messages.
 void TickGate::ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard, Time now) {
   const Time reader_at(Clock::duration(reader_at_.load(std::memory_order_relaxed)));
-  if (reader_at > asked_at_) {
-    if (!HasProbed(unheard, now) && now - reader_at < kMaxProbe) return UpdateBy(now + kPoll);
+  if (!HasProbed(unheard, now) && now - std::max(asked_at_, ChangedAt()) < kMaxProbe) return UpdateBy(now + kPoll);
+  if (std::max(reader_at, probed_at_) > asked_at_) {
     const Time quiet_at = ChangedAt() + kQuiet;
-    if (now >= quiet_at) return Ask(now);
+    if (now >= quiet_at) return AskForLate(unheard, now);
     return UpdateBy(quiet_at);
   }
   const bool is_starting =
@@ -243,9 +268,17 @@ void TickGate::ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard
   if (now >= show_again_at_) {
     show_again_after_ *= 2;
     show_again_at_ = now + show_again_after_;
-    Ask(now);
+    AskForLate(unheard, now);
   }
   UpdateBy(show_again_at_);
+}
+
+// Other topics stay as they are: their readers may count what they receive.
+void TickGate::AskForLate(const std::vector<TopicWatch::Unheard>& unheard, Time now) {
+  std::set<dds_instance_handle_t> programs;
+  for (const TopicWatch::Unheard& watch : unheard) programs.insert(watch.programs.begin(), watch.programs.end());
+  late_topics_ = watch_.FindRead(programs, asked_at_);
+  Ask(now);
 }
 
 void TickGate::Ask(Time now) {
@@ -258,9 +291,9 @@ void TickGate::Ask(Time now) {
 void TickGate::Open() {
   is_closed_ = false;
   held_bytes_ = 0;
-  for (const Held& held : std::exchange(held_, {})) held.agent->WriteSample(held.writer, held.bytes);
+  for (const Held& held : std::exchange(round_.held, {})) held.agent->WriteSample(held.writer, held.bytes);
   if (!told_ || std::exchange(told_->is_written, true)) return;
-  told_->agent->Announce(told_->announcement, ListOfTopics());
+  told_->agent->Announce(told_->announcement, ListOfTopics(), std::exchange(tells_, 0));
 }
 
 std::string TickGate::ListOfTopics() const {

@@ -11,11 +11,13 @@
 //
 // An awaited program is settled when its nodes have answered a NodeProbe and no endpoint of the domain has come or gone
 // for a while; without services for parameters, when that while was longer. In the tick in which it is awaited for the
-// first time, readers that come later still make the agents show the tick again, to all: a node may make readers at any
-// time. From its first answer on nothing is written twice, and no reader changes what another one receives.
+// first time, readers that come later still make the agents show their topics again, to all readers: a node may make
+// readers at any time. From its first answer on nothing is written twice, and no reader changes what another one receives. A program
+// that has ended is awaited again: its successor, which may have come before the end was known, is probed, and the
+// agents then show the topics that it reads again.
 //
 // Messages are the same if they have the same bytes on the same topic for the same tick: an agent that is started again
-// shows its tick again. Messages of types without a time may be equal and not the same: these all pass.
+// shows its tick again, perhaps when the next one is armed. Messages of types without a time may be equal and not the same: these all pass.
 //
 // Used on the thread of the ParticipantServer; NoteReader and Call on any.
 #pragma once
@@ -85,16 +87,17 @@ class TickGate {
     std::uint64_t messages = 0;
     std::optional<std::int64_t> stamp;  // of the newest, ns; none: the type has no header
   };
-  // Of one text.
-  struct Round {
-    std::string text;
-    std::map<std::string, Count> counts;  // by topic
-    std::set<std::size_t> seen;           // hashes of messages with their topics
-  };
   struct Held {
     AgentEndpoints* agent;
     std::uint32_t writer;
     std::vector<std::byte> bytes;
+  };
+  // Of one text.
+  struct Round {
+    std::string text;
+    std::map<std::string, Count> counts = {};  // by topic
+    std::set<std::size_t> seen = {};           // hashes of messages with their topics
+    std::vector<Held> held = {};
   };
   struct Told {
     AgentEndpoints* agent;
@@ -115,6 +118,7 @@ class TickGate {
   NodeProbe* FindProbe(dds_instance_handle_t program, const std::string& service);
   Time ChangedAt() const;
   void ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard, Time now);
+  void AskForLate(const std::vector<TopicWatch::Unheard>& unheard, Time now);
   void Ask(Time now);
   void Open();
   std::string ListOfTopics() const;
@@ -124,18 +128,21 @@ class TickGate {
   TopicWatch& watch_;
   Round round_;
   Round previous_;
+  bool follows_ = false;  // the previous round is of a tick before, in the same edition
   HeldCalls calls_;
   bool is_closed_ = false;
   bool is_shown_ = false;
-  std::vector<Held> held_;
-  std::size_t held_bytes_ = 0;
+  std::size_t held_bytes_ = 0;  // of the newest round
   std::optional<Told> told_;         // of the tick that is shown
-  std::set<AgentEndpoints*> asked_;  // that have not shown the tick again yet
+  int tells_ = 0;                    // that are not answered; an edit may come before nodes know of a tick
+  std::set<AgentEndpoints*> asked_;    // that have not shown the tick again yet
+  std::set<std::string> late_topics_;  // that are written again, if they have been written for the tick
   Time asked_at_ = {};               // the last time, or the start of the tick
   Time present_at_ = Time::max();    // since then the awaited programs are there
   // By program and service; null: DDS refuses one.
   std::map<std::pair<dds_instance_handle_t, std::string>, std::unique_ptr<NodeProbe>> probes_;
   bool is_probed_ = false;            // all awaited programs have answered
+  Time probed_at_ = {};               // the newest of their answers
   Time show_again_at_ = Time::max();  // although no reader has come
   Clock::duration show_again_after_ = {};
   std::atomic<Clock::rep> reader_at_ = 0;  // when the newest has come

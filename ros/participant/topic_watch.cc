@@ -28,7 +28,7 @@ std::string TopicOf(const std::string& watched) {
 // Of one topic, with the type of its first writer.
 struct TopicWatch::AnyReader {
   AnyReader(const RosParticipant& participant, const std::string& topic, std::string type, bool reliable,
-            std::function<void()> on_message)
+            std::function<void(dds_instance_handle_t writer)> on_message)
       : type_name(std::move(type)), notify(std::move(on_message)) {
     descriptor.m_typename = type_name.c_str();
     topic_entity = dds::Entity(dds::CreateTopic(participant.participant(), descriptor, topic));
@@ -47,17 +47,17 @@ struct TopicWatch::AnyReader {
   ~AnyReader() { reader.close(); }
 
   void Read() {
-    bool arrived = false;
     for (;;) {
       const auto samples = dds::Loan<char>(reader.handle(), dds_take, "taking samples");
-      if (samples.empty()) break;
-      for (const auto sample : samples) arrived = arrived || sample.info().valid();
+      if (samples.empty()) return;
+      for (const auto sample : samples) {
+        if (sample.info().valid()) notify(sample.info().publication_handle());
+      }
     }
-    if (arrived) notify();
   }
 
   const std::string type_name;
-  const std::function<void()> notify;
+  const std::function<void(dds_instance_handle_t)> notify;
   dds_topic_descriptor_t descriptor = any_type_Message__desc;
   dds::Entity topic_entity;
   dds::DataReaderListener listener;
@@ -112,12 +112,18 @@ TopicWatch::~TopicWatch() {
 void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& watched, Callbacks callbacks) {
   {
     const std::lock_guard lock(mutex_);
-    if (round_.arrived.contains(watched)) callbacks.on_arrival(round_.text);
+    if (round_.arrived.contains(watched)) {
+      callbacks.on_arrival(round_.text);
+      heard_.try_emplace(watched, DDS_HANDLE_NIL);
+    }
     watches_.emplace(watched, Watch{owner, id, std::move(callbacks)});
   }
   if (IsNode(watched) && !answers_) {
     answers_ = std::make_unique<AnswerReader>(
-        participant_, [this](const std::string& node, dds_instance_handle_t writer) { Note(node, writer); });
+        participant_, [this](const std::string& node, dds_instance_handle_t writer) {
+          NoteWriter(node, writer);
+          Note(node);
+        });
   }
   // Others show the endpoints that are known already again.
   listener_.on_data_available = wake_;
@@ -131,7 +137,7 @@ void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& wat
   follow(publications_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
   follow(subscriptions_, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
   const std::map<dds_instance_handle_t, Writer> before = std::exchange(writers_, {});
-  of_clock_.clear();
+  of_domain_.clear();
   parameter_services_.clear();
   Update();
   for (const auto& [handle, writer] : before) {
@@ -195,15 +201,18 @@ void TopicWatch::Forget(const Writer& ended, dds_instance_handle_t handle) {
                                      [&ended](const auto& writer) { return writer.second.topic == ended.topic; });
   const std::lock_guard lock(mutex_);
   std::erase_if(heard_, [&](const auto& heard) {
-    return IsNode(heard.first) ? heard.second == handle : heard.first == ended.topic && !has_other;
+    const bool is_last_of_topic = heard.second == DDS_HANDLE_NIL && heard.first == ended.topic && !has_other;
+    return heard.second == handle || is_last_of_topic;
   });
+}
+
+bool TopicWatch::is_unknown(dds_instance_handle_t writer) const {
+  return std::none_of(heard_.begin(), heard_.end(), [writer](const auto& heard) { return heard.second == writer; });
 }
 
 std::size_t TopicWatch::unknown_writers() const {
   return static_cast<std::size_t>(std::count_if(writers_.begin(), writers_.end(), [this](const auto& writer) {
-    if (writer.second.topic != kAnswerTopic) return false;
-    return std::none_of(heard_.begin(), heard_.end(),
-                        [&writer](const auto& heard) { return heard.second == writer.first; });
+    return writer.second.topic == kAnswerTopic && is_unknown(writer.first);
   }));
 }
 
@@ -231,14 +240,22 @@ std::vector<TopicWatch::Unheard> TopicWatch::FindUnheard() {
     if (added.is_node) {
       nodes.insert(watched);
       added.is_present = nodes.size() <= writers;
-      continue;
     }
     for (const auto& [handle, writer] : writers_) {
-      if (writer.topic == watched) added.programs.insert(writer.program);
+      const bool may_write = added.is_node ? writer.topic == kAnswerTopic && is_unknown(handle) : writer.topic == watched;
+      if (may_write) added.programs.insert(writer.program);
     }
-    added.is_present = !added.programs.empty();
+    if (!added.is_node) added.is_present = !added.programs.empty();
   }
   return unheard;
+}
+
+std::set<std::string> TopicWatch::FindRead(const std::set<dds_instance_handle_t>& programs, Time since) const {
+  std::set<std::string> topics;
+  for (const auto& [handle, reader] : of_domain_) {
+    if (reader.came_at > since || programs.contains(reader.program)) topics.insert(reader.topic);
+  }
+  return topics;
 }
 
 std::set<std::string> TopicWatch::FindMissing(const void* owner, const std::set<std::uint32_t>& ids) {
@@ -304,10 +321,12 @@ void TopicWatch::MakeReader(const dds_builtintopic_endpoint_t& writer) {
   dds_duration_t blocking = 0;
   const bool reliable = dds_qget_reliability(writer.qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
   try {
-    readers_[topic] = std::make_unique<AnyReader>(participant_, topic, writer.type_name, reliable, [this, topic] {
-      // Else the agent has perhaps not been passed it yet.
-      if (!agents_.Contain(topic)) Note(topic);
-    });
+    readers_[topic] =
+        std::make_unique<AnyReader>(participant_, topic, writer.type_name, reliable, [this, topic](auto of_message) {
+          NoteWriter(topic, of_message);
+          // Else the agent has perhaps not been passed it yet.
+          if (!agents_.Contain(topic)) Note(topic);
+        });
   } catch (const dds::Exception&) {  // another type than that of a topic here: its reader is an agent's
     readers_.erase(topic);
   }
@@ -322,14 +341,14 @@ void TopicWatch::FollowReaders() {
       changed_at_ = std::chrono::steady_clock::now();
       const dds_instance_handle_t reader = sample.info().instance_handle();
       if (!sample.info().instance_alive()) {
-        of_clock_.erase(reader);
+        of_domain_.erase(reader);
         parameter_services_.erase(reader);
         continue;
       }
       if (!sample.info().valid()) continue;
       const std::string_view topic = sample.data().topic_name;
       const dds_instance_handle_t program = sample.data().participant_instance_handle;
-      if (topic == kClockTopic) of_clock_[reader] = program;
+      if (topic.starts_with("rt/")) of_domain_[reader] = {std::string(topic), program, changed_at_};
       if (topic.starts_with("rq/") && topic.ends_with(kParameterRequests) &&
           IsOfCyclone(sample.data().participant_key)) {
         constexpr std::size_t kBegin = 2;  // of "rq/driver/get_parametersRequest"
@@ -342,7 +361,9 @@ void TopicWatch::FollowReaders() {
 
 void TopicWatch::TellTimed() {
   std::set<dds_instance_handle_t> with_clock;
-  for (const auto& [reader, program] : of_clock_) with_clock.insert(program);
+  for (const auto& [handle, reader] : of_domain_) {
+    if (reader.topic == kClockTopic) with_clock.insert(reader.program);
+  }
   std::set<std::string> timed;
   for (const auto& [handle, writer] : writers_) {
     if (with_clock.contains(writer.program)) timed.insert(writer.topic);
@@ -354,11 +375,17 @@ void TopicWatch::TellTimed() {
   }
 }
 
-void TopicWatch::Note(const std::string& watched, dds_instance_handle_t writer) {
+void TopicWatch::NoteWriter(const std::string& watched, dds_instance_handle_t writer) {
+  const std::lock_guard lock(mutex_);
+  // A topic may have lost its watches with the process that had them. A name of a node may be any text.
+  if (!IsNode(watched) || watches_.contains(watched)) heard_[watched] = writer;
+}
+
+void TopicWatch::Note(const std::string& watched) {
   const std::lock_guard lock(mutex_);
   const auto [begin, end] = watches_.equal_range(watched);
   if (begin == end && IsNode(watched)) return;  // any text
-  if (begin != end) heard_[watched] = writer;
+  if (begin != end) heard_.try_emplace(watched, DDS_HANDLE_NIL);
   if (round_.text.empty() || !round_.arrived.insert(watched).second) return;
   for (auto watch = begin; watch != end; ++watch) watch->second.callbacks.on_arrival(round_.text);
 }

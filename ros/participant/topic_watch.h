@@ -13,7 +13,7 @@
 // simulated time.
 //
 // A watch may be of a node that answers on /world/tick_done by its name, too. Any watch is heard from its first message
-// until the program that wrote it has ended. One that is not heard is `present` once a program could write its first
+// until the program that wrote its newest one has ended, though another program may write on the topic. One that is not heard is `present` once a program could write its first
 // message: TickGate then holds no tick back for it any longer.
 #pragma once
 
@@ -94,7 +94,7 @@ class TopicWatch {
     std::uint32_t id;
     bool is_node;
     bool is_present;
-    std::set<dds_instance_handle_t> programs;  // with a writer on the topic; of a topic only
+    std::set<dds_instance_handle_t> programs;  // with a writer on the topic, or one for answers of an unknown node
   };
 
   // A watch without a slash is of a node.
@@ -117,6 +117,8 @@ class TopicWatch {
   // The names of the services by which a program on Cyclone DDS tells the parameters of its nodes, each from its node's
   // own thread: "/driver/get_parameters".
   std::vector<std::string> ParameterServicesOf(dds_instance_handle_t program) const;
+  // The topics that the programs read, and those of readers that have come since.
+  std::set<std::string> FindRead(const std::set<dds_instance_handle_t>& programs, Time since) const;
   // The topics and nodes without a message for the armed text: among these watches of the owner, or, for null, among
   // all.
   std::set<std::string> FindMissing(const void* owner, const std::set<std::uint32_t>& ids);
@@ -143,18 +145,25 @@ class TopicWatch {
     std::string topic;
     dds_instance_handle_t program;
   };
+  struct Reader {
+    std::string topic;
+    dds_instance_handle_t program;
+    Time came_at;
+  };
   struct ParameterService {
     std::string name;
     dds_instance_handle_t program;
   };
 
-  // `writer`: of a node's answer.
-  void Note(const std::string& watched, dds_instance_handle_t writer = DDS_HANDLE_NIL);
+  void Note(const std::string& watched);
+  void NoteWriter(const std::string& watched, dds_instance_handle_t writer);
   void FollowWriters();
   void FollowReaders();
   bool IsWatched(const std::string& topic);
   void Forget(const Writer& ended, dds_instance_handle_t handle);
-  std::size_t unknown_writers() const;  // REQUIRES: mutex_ is held
+  // REQUIRES: mutex_ is held. Of answers, whose nodes are not known.
+  bool is_unknown(dds_instance_handle_t writer) const;
+  std::size_t unknown_writers() const;
   void MakeReader(const dds_builtintopic_endpoint_t& writer);
   void TellTimed();
   // A process that has died leaves its readers to its successor, which adds its watches before it arms another text.
@@ -166,14 +175,15 @@ class TopicWatch {
   std::map<std::string, std::unique_ptr<AnyReader>> readers_;        // by topic, of the one thread, as those below
   std::unique_ptr<AnswerReader> answers_;                            // once a node is watched
   std::map<dds_instance_handle_t, Writer> writers_;                  // on watched topics
-  std::map<dds_instance_handle_t, dds_instance_handle_t> of_clock_;  // the programs of the readers of /clock
+  std::map<dds_instance_handle_t, Reader> of_domain_;                // of topics, not of services
   std::map<dds_instance_handle_t, ParameterService> parameter_services_;
   Time changed_at_ = std::chrono::steady_clock::now();
   std::mutex mutex_;  // guards the four below
   Round round_;
   Round previous_;
   std::multimap<std::string, Watch> watches_;           // by topic or node
-  std::map<std::string, dds_instance_handle_t> heard_;  // of a node: its writer
+  // The writer of the newest message; null: it is not known.
+  std::map<std::string, dds_instance_handle_t> heard_;
   dds::DataReaderListener listener_;
   dds::Entity publications_;   // a reader of discovered writers
   dds::Entity subscriptions_;  // of discovered readers

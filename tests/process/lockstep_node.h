@@ -4,16 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <filesystem>
+#include <cstdio>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <random>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -34,8 +34,9 @@ namespace troupe::test {
 
 // The way in which ticks wait for the node: for its commands to each scan, for its answers on /world/tick_done, for
 // its commands by a timer of simulated time; or for its commands to each scan, which depend on the number of scans that
-// it has received, as those of a node with a filter.
+// it has received, as those of a node with a filter. A node on its topic knows nothing of ticks.
 enum class Way { kTopic, kProtocol, kTimer, kCounter };
+inline constexpr std::array<const char*, 4> kWays = {"topic", "protocol", "timer", "counter"};
 
 struct NodeOptions {
   Way way = Way::kProtocol;
@@ -46,13 +47,15 @@ struct NodeOptions {
   unsigned seed = 1;           // of the delays
   bool has_parameters = true;  // their services, as of each node of rclcpp and rclpy
   std::uint32_t domain = TestRosNetwork().domain;
+  std::string interface = "lo";
+  bool logs = false;  // prints the scans that it has answered
 };
 
 // A node that drives a robot by its scan: the same scan gives the same command.
 class LockstepNode {
  public:
   explicit LockstepNode(const NodeOptions& options)
-      : options_(options), participant_(NetworkIn(options.domain)), thread_([this] { Run(); }) {}
+      : options_(options), participant_(RosNetworkOf(options)), thread_([this] { Run(); }) {}
   ~LockstepNode() {
     stop_ = true;
     Notify();
@@ -70,7 +73,12 @@ class LockstepNode {
   // Answers beside its own, which no tick may count.
   void SendWrongAnswers() { is_wrong_ = true; }
   const ros::RosParticipant& participant() const { return participant_; }
-  Tick answered() const { return answered_; }  // the newest
+  // The newest tick that it knows of, and that it has answered.
+  std::optional<Tick> shown() const {
+    const Tick tick = shown_;
+    return tick == kNever ? std::nullopt : std::optional(tick);
+  }
+  Tick answered() const { return answered_; }
   std::size_t answers() const { return answers_; }
   std::string lists() {
     const std::lock_guard lock(mutex_);
@@ -80,9 +88,10 @@ class LockstepNode {
  private:
   static constexpr Tick kNever = 1'000'000'000;
 
-  static ros::RosNetwork NetworkIn(std::uint32_t domain) {
-    ros::RosNetwork network = TestRosNetwork();
-    network.domain = domain;
+  static ros::RosNetwork RosNetworkOf(const NodeOptions& options) {
+    ros::RosNetwork network = InDomain(options.domain);
+    network.network_interface = options.interface;
+    network.service_clients = ros::ServiceClients::kCyclone;
     return network;
   }
   // A timer with the period of the ticks, as rclcpp and rclpy have it: due a period after the time at which it is made,
@@ -152,14 +161,13 @@ class LockstepNode {
     if (options_.has_parameters) parameters.emplace(node, options_.name, ros::Parameters{});
     participant_.Announce();
     std::mt19937 random(options_.seed);
-    if (options_.way == Way::kCounter) return Count(scans, commands, random);
+    if (options_.way == Way::kTopic || options_.way == Way::kCounter) return Follow(scans, commands, random);
     std::optional<Tick> scanned;
     ros::TwistMessage command{};
     std::optional<Tick> shown;
     std::optional<ros::Time> stamp;
     bool has_scan = false;
     std::optional<Tick> done;  // by this node
-    auto commanded_at = std::chrono::steady_clock::now();
     while (!stop_) {
       {
         std::unique_lock lock(mutex_);
@@ -172,6 +180,7 @@ class LockstepNode {
       });
       ticks.Drain([&](const ros::Header& tick) {
         shown = TickOf(tick.stamp);
+        shown_ = *shown;
         stamp = tick.stamp;
         const std::lock_guard lock(mutex_);
         lists_ = dds::Text(tick.frame_id);
@@ -189,21 +198,6 @@ class LockstepNode {
         continue;
       }
       if (!commands.wanted()) continue;
-      if (options_.way == Way::kTopic) {
-        if (!scanned) continue;
-        // The first one may be lost while the endpoints discover each other; all others are written once.
-        const bool repeats =
-            answers_ == 1 && std::chrono::steady_clock::now() - commanded_at > std::chrono::milliseconds(1000);
-        if (done == scanned && !repeats) continue;
-        if (*scanned >= halt_at_) continue;
-        if (done != scanned) Delay(random);
-        commands.Write(command);
-        commanded_at = std::chrono::steady_clock::now();
-        done = scanned;
-        answered_ = *done;
-        if (!repeats) ++answers_;
-        continue;
-      }
       if (!answers.wanted() || !shown || done == shown || *shown >= halt_at_) continue;
       if (scanned != shown && (has_scan || !done)) continue;  // of the first tick the scan is repeated for this node
       Delay(random);
@@ -216,8 +210,9 @@ class LockstepNode {
       ++answers_;
     }
   }
-  // Each scan is one call of a callback, whatever its stamp.
-  void Count(ros::RosReader<ros::LaserScan>& scans, ros::RosWriter<ros::TwistMessage>& commands, std::mt19937& random) {
+  // Each scan is one call of a callback, whatever its stamp, as in a node that is not written for ticks that wait.
+  void Follow(ros::RosReader<ros::LaserScan>& scans, ros::RosWriter<ros::TwistMessage>& commands,
+              std::mt19937& random) {
     while (!stop_) {
       {
         std::unique_lock lock(mutex_);
@@ -228,12 +223,16 @@ class LockstepNode {
         Delay(random);
         ++answers_;
         answered_ = TickOf(scan.header.stamp);
-        ros::TwistMessage twist{};
-        twist.linear.x = 0.3;
-        twist.angular.z = 0.5 * std::sin(0.1 * static_cast<double>(answers_));
-        commands.Write(twist);
+        commands.Write(options_.way == Way::kTopic ? CommandFor(scan) : CommandAfter(answers_));
+        if (options_.logs) std::printf("%zu: scan of tick %d\n", answers_.load(), static_cast<int>(answered_));
       });
     }
+  }
+  static ros::TwistMessage CommandAfter(std::size_t scans) {
+    ros::TwistMessage twist{};
+    twist.linear.x = 0.3;
+    twist.angular.z = 0.5 * std::sin(0.1 * static_cast<double>(scans));
+    return twist;
   }
   void Delay(std::mt19937& random) const {
     if (options_.most_delay == 0) return;
@@ -267,28 +266,17 @@ class LockstepNode {
   std::atomic<bool> stop_ = false;
   std::atomic<bool> is_wrong_ = false;
   std::atomic<Tick> halt_at_ = kNever;
+  std::atomic<Tick> shown_ = kNever;
   std::atomic<Tick> answered_ = 0;
   std::atomic<std::size_t> answers_ = 0;
   std::thread thread_;
 };
 
-// The node in a process of its own, which a test can stop and kill: this program again, with one test alone.
-inline constexpr const char* kNodeVariable = "LOCKSTEP_NODE";
+// The node in a process of its own, which a test can stop and kill.
 inline Program NodeProcess(const NodeOptions& options) {
-  const std::string text = std::to_string(static_cast<int>(options.way)) + " " + options.name + " " + options.space +
-                           " " + std::to_string(options.least_delay) + " " + std::to_string(options.most_delay) + " " +
-                           std::to_string(options.seed) + " " + std::to_string(options.domain);
-  return Program({"/usr/bin/env", kNodeVariable + ("=" + text),
-                  std::filesystem::read_symlink("/proc/self/exe").string(), "--gtest_also_run_disabled_tests",
-                  "--gtest_filter=LockstepNodeProcess.DISABLED_RunsUntilItIsKilled"});
-}
-inline NodeOptions NodeOptionsOf(const std::string& text) {
-  NodeOptions options;
-  int way = 0;
-  std::istringstream(text) >> way >> options.name >> options.space >> options.least_delay >> options.most_delay >>
-      options.seed >> options.domain;
-  options.way = static_cast<Way>(way);
-  return options;
+  return Program({ProgramPath("lockstep_node"), kWays[static_cast<std::size_t>(options.way)], options.name,
+                  options.space.empty() ? "/" : options.space, std::to_string(options.most_delay),
+                  std::to_string(options.seed), std::to_string(options.domain), options.interface});
 }
 
 // Runs whose ticks wait for a node.

@@ -77,13 +77,6 @@ TEST_F(RosLockstepTrials, NoNodeThatMisbehavesMakesAWrongTick) {
   }
 }
 
-TEST(LockstepNodeProcess, DISABLED_RunsUntilItIsKilled) {
-  const char* const text = std::getenv(kNodeVariable);
-  ASSERT_NE(text, nullptr);
-  const LockstepNode node(NodeOptionsOf(text));
-  for (;;) pause();
-}
-
 // Starver: stops one random process of a group after another for a random time, as a busy machine does.
 class Starver {
  public:

@@ -252,6 +252,94 @@ TEST_F(TickGateTest, AMessageOfATickIsWrittenOnceAndListedWithItsStamp) {
   EXPECT_EQ(node_.DrainList(), "edition:4 /r0/odom:1 @/r0/odom:1000000000");
 }
 
+// A process that continues the run of one that has died before its nodes could answer.
+TEST_F(TickGateTest, WhatIsHeldBackIsKeptForTheSuccessorOfTheProcessThatWaits) {
+  std::optional<WaitingRun> run(std::in_place, host_, std::vector<std::string>{"rt/plan"});
+  ASSERT_TRUE(agent_.IsWanted());
+  run->Arm("run");
+  run->Arm("run 1 0");
+  agent_.Show(0);
+  run->Tell();
+  EXPECT_TRUE(run->IsHeldForAbsent());
+  run.emplace(host_, std::vector<std::string>{"rt/plan"});
+  run->Arm("run");
+  run->Arm("run 1 0");
+  run->Tell();
+  EXPECT_TRUE(run->IsHeldForAbsent());
+  node_.MakeCommands();
+  EXPECT_TRUE(agent_.ShowsAgain(0));
+  EXPECT_TRUE(run->IsTold());
+  std::vector<int> times;
+  EXPECT_TRUE(Eventually([&] { return !(times = node_.DrainTimes()).empty(); }));
+  EXPECT_THAT(times, ElementsAre(0));
+}
+
+TEST_F(TickGateTest, ATickThatWasAnsweredIsSoForTheSuccessorOfTheProcessThatHasReleasedIt) {
+  std::optional<WaitingRun> run(std::in_place, host_, std::vector<std::string>{"rt/plan"});
+  ASSERT_TRUE(agent_.IsWanted());
+  BeginWithAnswer(*run);
+  EXPECT_TRUE(run->IsAnswered());
+  run->Arm("run 1 1");
+  run.emplace(host_, std::vector<std::string>{"rt/plan"});
+  run->Arm("run");
+  run->Arm("run 1 0");
+  EXPECT_TRUE(run->IsAnswered());
+}
+
+TEST_F(TickGateTest, AnAgentThatIsStartedAgainShowsNoTickThatWasReleased) {
+  WaitingRun run(host_, {"rt/plan"});
+  ASSERT_TRUE(agent_.IsWanted());
+  BeginWithAnswer(run);
+  run.Arm("run 1 1");
+  agent_.Show(0);
+  Publish(run, "run 1 1", 1);
+  std::vector<int> times;
+  EXPECT_TRUE(Eventually([&] {
+    for (const int time : node_.DrainTimes()) times.push_back(time);
+    return !times.empty() && times.back() == 1;
+  }));
+  EXPECT_THAT(times, ElementsAre(1));
+}
+
+TEST_F(TickGateTest, ATickIsToldAfterAnEditOfOneThatWasHeldBack) {
+  WaitingRun run(host_, {"rt/plan"});
+  ASSERT_TRUE(agent_.IsWanted());
+  run.Arm("run 1 0");
+  agent_.Show(0);
+  run.Tell();
+  EXPECT_TRUE(run.IsHeldForAbsent());
+  run.Arm("run 2 0");
+  agent_.Show(0);
+  run.Tell();
+  node_.MakeCommands();
+  EXPECT_TRUE(agent_.ShowsAgain(0));
+  EXPECT_TRUE(run.IsTold());
+}
+
+// A node that has been killed writes no more, and its DDS is known to have ended only some seconds later.
+TEST_F(TickGateTest, ASuccessorThatHasComeBeforeTheEndOfANodeIsShownTheTick) {
+  WaitingRun run(host_, {"rt/plan"});
+  ASSERT_TRUE(agent_.IsWanted());
+  std::optional<PlannerNode> before(std::in_place);
+  run.Arm("run 1 0");
+  before->MakeCommands();
+  agent_.Show(0);
+  run.Tell();
+  EXPECT_TRUE(agent_.ShowsAgain(0));
+  EXPECT_TRUE(run.IsTold());
+  before->Command();
+  EXPECT_TRUE(run.IsAnswered());
+  Publish(run, "run 1 1", 1);
+  PlannerNode successor;
+  successor.MakeCommands();
+  before.reset();
+  EXPECT_TRUE(agent_.ShowsAgain(1));
+  EXPECT_TRUE(Eventually([&] {
+    const std::vector<int> times = successor.DrainTimes();
+    return !times.empty() && times.back() == 1;
+  }));
+}
+
 TEST_F(TickGateTest, NoReaderThatComesLaterMakesAnAgentShowATickAgain) {
   WaitingRun run(host_, {"rt/plan"});
   ASSERT_TRUE(agent_.IsWanted());
