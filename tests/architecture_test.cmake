@@ -63,7 +63,7 @@ set(may_include_worldfile
 set(may_include_fleet common/base)
 set(may_include_transport/mqtt common/base)
 set(may_include_transport/protocol common/base common/geometry common/model)
-set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
+set(may_include_transport/shared_memory common/base common/bitmap common/geometry common/model common/spatial transport/protocol)
 set(may_include_transport/security common/base transport/protocol common/run)
 set(may_include_common/trace common/base)
 set(may_include_command_line common/base transport/mqtt transport/protocol common/run common/trace)

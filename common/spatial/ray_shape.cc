@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 
@@ -120,9 +119,10 @@ RayMap::RayMap(const RayMapArrays& arrays)
       filled_(arrays.filled) {
   ForEachArray([this](const auto& array) { size_ += RoundedUp(array.size_bytes()); });
   if (size_ == 0) return;
-  auto* const block = static_cast<std::byte*>(std::aligned_alloc(kAlignment, size_));
-  if (block == nullptr) throw std::bad_alloc();
-  block_ = std::shared_ptr<const std::byte>(block, std::free);
+  // By operator new, so that it is in shared memory with all else of its scene (transport/shared_memory).
+  constexpr std::align_val_t kAligned{kAlignment};
+  auto* const block = static_cast<std::byte*>(::operator new(size_, kAligned));
+  block_ = std::shared_ptr<const std::byte>(block, [](std::byte* unused) { ::operator delete(unused, kAligned); });
   // Equal worlds have equal bytes.
   std::memset(block, 0, size_);  // between the arrays
   std::byte* next = block;

@@ -278,8 +278,7 @@ class Episodes {
   void StepWorld(std::size_t i, Thread& thread, const double* action, const bool* stands) {
     World& world = *worlds_->worlds()[i];
     Simulation& simulation = world.simulation();
-    world.events.clear();
-    world.reports.clear();
+    world.ClearOutputs();
     const std::size_t columns = task_.lift ? 4 : 2;
     for (std::size_t robot = 0; robot < robots_; ++robot, action += columns) {
       std::array<double, 4>& own = thread.actions[robot];

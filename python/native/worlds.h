@@ -57,10 +57,7 @@ class Worlds {
 
   void Step(Tick ticks) {
     const Uses uses(worlds_);
-    for (const std::shared_ptr<World>& world : worlds_) {
-      world->events.clear();
-      world->reports.clear();
-    }
+    for (const std::shared_ptr<World>& world : worlds_) world->ClearOutputs();
     ForEachWorld([ticks](World& world, Interrupt& interrupt) {
       for (Tick i = 0; i < ticks && !interrupt.IsDue(); ++i) world.StepOnce();
     });

@@ -90,6 +90,9 @@ class AgentHost final : public AgentHandler {
   void OnFrame(const FrameMessage& frame) override {
     Deliver([&] { protocol_.OnFrame(frame, Now()); });
   }
+  void OnCheckedFrame(const FrameMessage& frame) override {
+    Deliver([&] { protocol_.OnFrame(frame, Now(), true); });
+  }
   void OnHistory(const HistoryMessage& history) override {
     Deliver([&] { protocol_.OnHistory(history); });
   }
@@ -168,9 +171,9 @@ class AgentHost final : public AgentHandler {
 Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options, std::stop_token stop) {
   OutputFiles files;
   if (Status status = files.Open(options); !status.ok()) return status.error();
-  const auto find_map = [&endpoint](std::span<const std::byte> bytes) { return endpoint->FindMap(bytes); };
+  const auto find_world = [&endpoint](const WorldDescription& world) { return endpoint->FindWorld(world); };
   const auto scenes = options.scenes != nullptr ? options.scenes : std::make_shared<SceneCache>();
-  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get(), find_map, scenes}, std::move(stop));
+  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get(), find_world, scenes}, std::move(stop));
   Result<AgentEnd> end = host.Run();
   endpoint.reset();  // its deliveries end before the files and the host do
   if (!end.ok()) return end;

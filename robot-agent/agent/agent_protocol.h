@@ -63,7 +63,8 @@ class AgentProtocol {
   // Deliveries of the transport.
   void OnSession(const SessionMessage& session);
   void OnAdmission(const AdmissionMessage& admission);
-  void OnFrame(const FrameMessage& frame, double now);
+  // `is_checked`: as AgentHandler::OnCheckedFrame.
+  void OnFrame(const FrameMessage& frame, double now, bool is_checked = false);
   void OnHistory(const HistoryMessage& history);
   void OnServiceGone(double now);
   void OnServiceLost(double now);
@@ -167,18 +168,18 @@ class AgentProtocol {
   // Applies the result of a history: the world of the replica may be another one.
   void FinishRetracing(ReplicaTask::Retracing& past);
   // Answers a frame in the state Running, or begins to change the replica if an edit came before the frame.
-  void Process(const FrameMessage& frame);
+  void Process(const FrameMessage& frame, bool is_checked);
   void ProcessKept();
   // Keeps a frame that cannot be answered yet, unless a newer one is kept.
   void Keep(const FrameMessage& frame);
-  void AnswerNew(const FrameMessage& frame);
+  void AnswerNew(const FrameMessage& frame, bool is_checked);
   void AnswerAgain(const FrameMessage& frame);
   void SendAnswer(Tick next);
   // The memory of an answer that is no longer in use.
   std::vector<Proposal> TakeUnusedProposals();
   void WriteTrace(Tick next);
   // Computes the answer to a new frame; false if the frame cannot be answered.
-  bool ComputeAnswer(const FrameMessage& frame);
+  bool ComputeAnswer(const FrameMessage& frame, bool is_checked);
   // The robots lack the memory that the frame demands, and their history was not asked for yet.
   bool LacksMemory(const FrameMessage& frame) const;
 

@@ -12,16 +12,18 @@
 namespace troupe {
 namespace {
 
-// One that is in use, as that of the service in its process; or else made of a validated world, with the map that is in
-// memory already if it is.
-Result<std::shared_ptr<const Scene>> SceneOf(Shared<WorldDescription> world, const AgentResources& resources) {
+// That of the service, in this process or in memory that it shares with this machine; or else one of this agent, made
+// of a validated world.
+Result<PreparedWorld> Prepare(Shared<WorldDescription> world, const AgentResources& resources) {
+  if (resources.find_world) {
+    if (std::optional<PreparedWorld> prepared = resources.find_world(*world)) return *std::move(prepared);
+  }
+  const std::uint64_t hash = Hash(*world);
   if (resources.scenes != nullptr) {
-    if (std::shared_ptr<const Scene> scene = resources.scenes->Find(world)) return scene;
+    if (std::shared_ptr<const Scene> scene = resources.scenes->Find(world)) return PreparedWorld{std::move(scene), hash};
   }
   if (const Status status = Validate(world); !status.ok()) return status.error();
-  const auto scene = std::make_shared<Scene>(std::move(world));
-  scene->ShareMap(resources.find_map);
-  return std::shared_ptr<const Scene>(scene);
+  return PreparedWorld{std::make_shared<const Scene>(std::move(world)), hash};
 }
 
 }  // namespace
@@ -52,19 +54,19 @@ Status ReplicaTask::Make(const SessionMessage& session, const AgentOptions& opti
     return Failure(fmt::format("the world service on {} speaks protocol version {}, expected {}", session.host,
                                session.protocol_version, kProtocolVersion));
   }
-  Result<std::shared_ptr<const Scene>> scene = SceneOf(session.world, resources);
-  if (!scene.ok()) {
-    return Failure(fmt::format("the world service on {} sent a bad world: {}", session.host, scene.error().message));
+  Result<PreparedWorld> prepared = Prepare(session.world, resources);
+  if (!prepared.ok()) {
+    return Failure(fmt::format("the world service on {} sent a bad world: {}", session.host, prepared.error().message));
   }
   std::vector<std::string> names = options.robots;
   if (options.skip_unavailable) {
     names = NamesThatExist(session.world, names);
     if (names.empty()) return {};
   }
-  robots.world_hash = Hash(session.world);
+  robots.world_hash = prepared.value().world_hash;
   robots.world_edition = session.world_edition;
   Result<std::unique_ptr<Replica>> made =
-      Replica::Create(std::move(scene).value(), names, {resources.scan_log, options.libraries}, options.pool,
+      Replica::Create(std::move(prepared).value().scene, names, {resources.scan_log, options.libraries}, options.pool,
                       options.make_gateway, resources.trace);
   if (!made.ok()) return made.error();
   robots.replica = std::move(made).value();
@@ -75,11 +77,14 @@ Status ReplicaTask::Make(const SessionMessage& session, const AgentOptions& opti
 Status ReplicaTask::Change(const Changing& change, const AgentResources& resources) {
   Status status;
   if (change.session) {
-    Result<std::shared_ptr<const Scene>> scene = SceneOf(change.session->world, resources);
-    robots.world_hash = Hash(change.session->world);
-    robots.world_edition = change.session->world_edition;
-    status = scene.ok() ? robots.replica->ChangeWorld(std::move(scene).value(), change.fresh, change.fresh_edition)
-                        : Status(scene.error());
+    Result<PreparedWorld> prepared = Prepare(change.session->world, resources);
+    if (prepared.ok()) {
+      robots.world_hash = prepared.value().world_hash;
+      robots.world_edition = change.session->world_edition;
+      status = robots.replica->ChangeWorld(std::move(prepared).value().scene, change.fresh, change.fresh_edition);
+    } else {
+      status = prepared.error();
+    }
   } else {
     status = robots.replica->Renew(change.fresh_edition);
   }
@@ -115,8 +120,8 @@ Status ReplicaTask::Retrace(HistoryEntry& entry, Retracing& past, const AgentRes
   const bool starts = !robots.memory || !robots.fresh_edition || frame.fresh_edition > *robots.fresh_edition;
   if (frame.world_edition != robots.world_edition) {
     if (!entry.world) return Error{{}, "a state without its world"};
-    Result<std::shared_ptr<const Scene>> scene = SceneOf(std::move(*entry.world), resources);
-    if (!scene.ok()) return scene.error();
+    Result<PreparedWorld> prepared = Prepare(std::move(*entry.world), resources);
+    if (!prepared.ok()) return prepared.error();
     if (frame.world_edition < robots.world_edition) {
       past.later_world = std::make_unique<SessionMessage>();
       past.later_world->run = past.history->run;
@@ -124,10 +129,9 @@ Status ReplicaTask::Retrace(HistoryEntry& entry, Retracing& past, const AgentRes
       if (resources.scenes != nullptr) resources.scenes->Add(replica.scene());
       past.later_world->world_edition = robots.world_edition;
     }
-    robots.world_hash = Hash(scene.value()->world());
-    if (Status problem = replica.ChangeWorld(std::move(scene).value(), starts, frame.fresh_edition); !problem.ok()) {
-      return problem;
-    }
+    robots.world_hash = prepared.value().world_hash;
+    Status changed = replica.ChangeWorld(std::move(prepared).value().scene, starts, frame.fresh_edition);
+    if (!changed.ok()) return changed;
     if (Status problem = replica.AddRobots(robots.names); !problem.ok()) return problem;
     robots.world_edition = frame.world_edition;
   } else if (robots.fresh_edition && frame.fresh_edition > *robots.fresh_edition) {

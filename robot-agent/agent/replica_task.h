@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,21 +15,22 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/hash.h"
 #include "common/spatial/scene_cache.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/agent_host.h"
 #include "robot-agent/agent/replica.h"
 #include "transport/protocol/messages.h"
+#include "transport/protocol/transport.h"
 #include "troupe/result.h"
 
 namespace troupe {
 
 // The resources of an agent, for its replica.
 struct AgentResources {
-  ScanLog* scan_log = nullptr;              // null: none
-  TickTrace* trace = nullptr;               // null: none
-  FindEqualMemory find_map;                 // memory for the map of the world; may be empty
+  ScanLog* scan_log = nullptr;  // null: none
+  TickTrace* trace = nullptr;   // null: none
+  // AgentEndpoint::FindWorld; may be empty.
+  std::function<std::optional<PreparedWorld>(const WorldDescription&)> find_world = {};
   std::shared_ptr<SceneCache> scenes = {};  // of the process; null: each world has a scene of its own
 };
 

@@ -15,6 +15,7 @@ namespace troupe::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 std::string HashLogOf(const std::vector<std::string>& options) {
   const TemporaryFolder folder;
@@ -60,12 +61,12 @@ TEST(DataSharing, IsUsedByAllProcessesOfAMachineUnlessItIsOff) {
     EXPECT_EQ(processes.size(), 4u);
     for (const pid_t service : ChildrenWith(run, "world-service")) processes.push_back(service);
     EXPECT_EQ(processes.size(), 5u);
-    // The walls of the pen, once for all.
-    const std::set<std::string> map = SharedMemoryOf(processes.back(), "map");
-    EXPECT_EQ(map.size(), on ? 1u : 0u);
+    // The world, once for all.
+    const std::set<std::string> world = SharedMemoryOf(processes.back(), "world");
+    EXPECT_EQ(world.size(), on ? 1u : 0u);
     for (const pid_t process : processes) {
       EXPECT_EQ(!SharedMemoryOf(process).empty(), on) << CommandLineOf(process);
-      EXPECT_EQ(SharedMemoryOf(process, "map"), map) << CommandLineOf(process);
+      EXPECT_EQ(SharedMemoryOf(process, "world"), world) << CommandLineOf(process);
     }
     run.Signal(SIGINT);
     run.Wait();
@@ -108,6 +109,67 @@ TEST(DataSharing, AgentsKeepNoMemoryAndNoThreadForAKilledService) {
   }
   run.Signal(SIGINT);
   run.Wait();
+}
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kCanLimitAddresses = false;
+#else
+constexpr bool kCanLimitAddresses = true;
+#endif
+
+// With too few addresses (ulimit -v, KiB) for all shared memory, or for that of the world.
+TEST(DataSharing, WithoutRoomForItGivesTheSameHashes) {
+  if (!kCanLimitAddresses) GTEST_SKIP() << "sanitizers need more addresses than a limit leaves";
+  const std::string expected = HashLogOf({"--in-process"});
+  const std::vector<std::pair<std::string, std::string>> notice_by_limit = {{"6000000", "no data sharing: "},
+                                                                           {"15000000", "data sharing ends: "}};
+  for (const auto& [limit, notice] : notice_by_limit) {
+    const TemporaryFolder folder;
+    const std::string command = "ulimit -v " + limit + " && exec \"$0\" \"$@\"";
+    const std::string output = OutputOf(Program(Words(
+        "/bin/sh -c % % run % --ticks 100 --speed max --headless --no-ros --domain % --hash-log %",
+        {command, ProgramPath("troupe"), WorldPath("pen.world"), std::to_string(TestDomain()), folder.Path("hashes")})));
+    EXPECT_THAT(output, HasSubstr(notice)) << limit;
+    EXPECT_EQ(folder.Read("hashes"), expected) << limit;
+  }
+}
+
+// Three agents read the world and frames in place, and one cannot.
+TEST(DataSharing, AnAgentThatCannotShareGivesTheSameHashes) {
+  if (!kCanLimitAddresses) GTEST_SKIP() << "sanitizers need more addresses than a limit leaves";
+  const std::string expected = HashLogOf({"--in-process"});
+  const TemporaryFolder folder;
+  const std::string session = TestSession("one-without");
+  const std::string domain = std::to_string(TestDomain());
+  Program service(Words("% % --session % --domain % --lease 5 --hash-log % --ticks 100",
+                        {ProgramPath("world-service"), WorldPath("pen.world"), session, domain, folder.Path("hashes")}));
+  std::vector<Program> agents;
+  for (const std::string robot : {"r0", "r1", "r2", "r3"}) {
+    const std::string limit = robot == "r3" ? "ulimit -v 6000000 && " : "";
+    agents.emplace_back(Words("/bin/sh -c % % --session % --domain % --lease 5 --robot %",
+                              {limit + "exec \"$0\" \"$@\"", ProgramPath("robot-agent"), session, domain, robot}));
+  }
+  EXPECT_EQ(service.Wait(), 0) << service.output();
+  for (Program& agent : agents) EXPECT_EQ(agent.Wait(), 0) << agent.output();
+  EXPECT_THAT(agents[3].output(), HasSubstr("no data sharing with the world service"));
+  EXPECT_THAT(agents[0].output(), Not(HasSubstr("no data sharing")));
+  EXPECT_EQ(folder.Read("hashes"), expected);
+}
+
+TEST(DataSharing, AgentsFollowEditsInPlace) {
+  const std::string session = TestSession("edits");
+  Program run = RunPen({"--speed", "5", "--session", session});
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  const std::vector<pid_t> agents = ChildrenWith(run, "robot-agent");
+  ASSERT_EQ(agents.size(), 4u);
+  const std::set<std::string> before = SharedMemoryOf(agents[0], "world");
+  ASSERT_EQ(before.size(), 1u);
+  OutputOf(Ctl(session, {"spawn", "rover", "--name", "r9", "--pose=0,-2,0,0"}));
+  // Robots may refer to the world that they were made in.
+  for (const pid_t agent : agents) {
+    EXPECT_TRUE(Eventually([&] { return SharedMemoryOf(agent, "world").size() == 2; })) << "the agent has the new world";
+  }
+  run.Interrupt();
 }
 
 TEST(DataSharing, LeavesNoProcessOfAKilledLauncher) {

@@ -83,7 +83,6 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
     inner_->Start(*this);
   }
   void SendSession(const SessionMessage& session) override { inner_->SendSession(session); }
-  void ShareMap(std::span<const std::byte> bytes) override { inner_->ShareMap(bytes); }
   void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override { inner_->SendAdmissions(admissions); }
   void SendFrame(const FrameMessage& frame) override { inner_->SendFrame(frame); }
   void SendHistory(const HistoryMessage& history) override { inner_->SendHistory(history); }
@@ -133,7 +132,7 @@ class FaultyAgentEndpoint final : public AgentEndpoint, private AgentHandler {
   }
   void SendJoin(const JoinMessage& join) override { inner_->SendJoin(join); }
   void SendProposal(const ProposalMessage& proposal) override { inner_->SendProposal(proposal); }
-  std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) override { return inner_->FindMap(bytes); }
+  std::optional<PreparedWorld> FindWorld(const WorldDescription& world) override { return inner_->FindWorld(world); }
 
  private:
   void OnSession(const SessionMessage& session) override {

@@ -14,14 +14,16 @@
 // A handler is on the way of every tick: it must not wait for another process.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "transport/protocol/messages.h"
 
 namespace troupe {
+
+class Scene;
 
 class ServiceHandler {
  public:
@@ -52,9 +54,6 @@ class ServiceEndpoint {
   // False if every message reaches its receivers, so that a late answer is no reason to send a frame again.
   virtual bool may_lose_messages() const { return true; }
   virtual void SendSession(const SessionMessage& session) = 0;  // kept for latecomers
-  // Offers agents of this machine a copy of these bytes (RayMap), in place of one of an earlier world. No effect in
-  // transports without shared memory.
-  virtual void ShareMap(std::span<const std::byte> bytes) { (void)bytes; }
   virtual void SendAdmissions(const std::vector<AdmissionMessage>& admissions) = 0;
   virtual void SendFrame(const FrameMessage& frame) = 0;
   virtual void SendHistory(const HistoryMessage& history) = 0;
@@ -72,6 +71,8 @@ class AgentHandler {
   virtual void OnSession(const SessionMessage& session) = 0;
   virtual void OnAdmission(const AdmissionMessage& admission) = 0;  // of any agent
   virtual void OnFrame(const FrameMessage& frame) = 0;
+  // The same, of a service on this machine that has checked that the state belongs to the world of the frame's edition.
+  virtual void OnCheckedFrame(const FrameMessage& frame) { OnFrame(frame); }
   virtual void OnHistory(const HistoryMessage& history) { (void)history; }  // for any agent
   // The service has ended.
   virtual void OnServiceGone() = 0;
@@ -80,6 +81,12 @@ class AgentHandler {
   virtual void OnServiceLost() { OnServiceGone(); }
   // A message was lost for lack of memory, and so may be all that follow.
   virtual void OnOutOfMemory() {}
+};
+
+// A world that another process has prepared for all agents of a machine.
+struct PreparedWorld {
+  std::shared_ptr<const Scene> scene;  // keeps its memory, and is valid: Validate found nothing
+  std::uint64_t world_hash = 0;
 };
 
 // An agent's end.
@@ -92,11 +99,11 @@ class AgentEndpoint {
   virtual void SendProposal(const ProposalMessage& proposal) = 0;
   // The same, for a message that never changes: a transport within a process makes no copy.
   virtual void SendSharedProposal(const SharedProposal& proposal) { SendProposal(*proposal); }
-  // The map that the service shares with its machine, if its bytes are equal to these; otherwise, and in transports
-  // without shared memory, null. Not for threads that run a handler.
-  virtual std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) {
-    (void)bytes;
-    return nullptr;
+  // The scene of the very description that a session of this endpoint brought, if its service shares it with the
+  // machine; otherwise none. On any thread.
+  virtual std::optional<PreparedWorld> FindWorld(const WorldDescription& world) {
+    (void)world;
+    return std::nullopt;
   }
 };
 

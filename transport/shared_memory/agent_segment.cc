@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <thread>
 #include <utility>
 
@@ -14,54 +13,70 @@ namespace {
 constexpr double kMaxSleep = 10.0;  // s
 constexpr std::uint64_t kGroups = 32;
 
+// The first pin that no agent has claimed, from number `first` modulo their count on.
+std::optional<std::size_t> ClaimPin(const SharedMemory& answers, std::size_t first) {
+  for (std::size_t i = 0; i < kPins; ++i) {
+    const std::size_t pin = (first + i) % kPins;
+    const Result<bool> claimed = answers.Claim(PinOffset(pin), sizeof(Pin));
+    if (!claimed.ok()) return std::nullopt;
+    if (claimed.value()) return pin;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<AgentSegment>> AgentSegment::Open(const SharingAddress& address) {
   if (address.machine != ThisMachine()) return Failure("it is of another user or container");
-  auto frames = SharedMemory::Open(address.process, address.frames, kFramesBytes, SharedMemory::Peers::kMayRead);
-  if (!frames.ok()) return frames.error();
-  auto mapped = frames.value().Map(0, kFramesBytes);
-  if (!mapped.ok()) return mapped.error();
-  const FramesHeader& header = mapped.value().At<FramesHeader>(0);
-  // The number of a descriptor may have been used again since the announcement.
-  if (header.key != address.key || header.layout != kSharedLayout) {
-    return Failure("the memory of process " + std::to_string(address.process) + " is of another run or version");
+  auto memory = SharedMemory::Open(address.process, address.frames, kPlaceBytes, SharedMemory::Peers::kMayRead);
+  if (!memory.ok()) return memory.error();
+  std::uint64_t place = 0;
+  {
+    auto header = memory.value().Map(0, kFramesHeaderBytes);
+    if (!header.ok()) return header.error();
+    const FramesHeader& found = header.value().At<FramesHeader>(0);
+    // The number of a descriptor may have been used again since the announcement.
+    if (found.key != address.key || found.layout != SharedLayout()) {
+      return Failure("the memory of process " + std::to_string(address.process) + " is of another run or version");
+    }
+    place = found.place;
   }
+  auto frames = Attach(memory.value(), place, kPlaceBytes, Attachment::kReadOnly);
+  if (!frames.ok()) return frames.error();
   auto answers = SharedMemory::Open(address.process, address.answers, kAnswersBytes, SharedMemory::Peers::kMayWrite);
   if (!answers.ok()) return answers.error();
-  auto answers_header = answers.value().Map(0, kPage);
-  if (!answers_header.ok()) return answers_header.error();
-  return std::unique_ptr<AgentSegment>(new AgentSegment(address.process, std::move(mapped).value(),
-                                                        std::move(answers).value(), std::move(answers_header).value()));
+  auto header = answers.value().Map(0, kAnswersHeaderBytes);
+  if (!header.ok()) return header.error();
+  const std::optional<std::size_t> pin =
+      ClaimPin(answers.value(), header.value().At<AnswersHeader>(0).openings.fetch_add(1));
+  if (!pin) return Failure("it has no place for another agent");
+  return std::unique_ptr<AgentSegment>(new AgentSegment(address.process, std::move(frames).value(),
+                                                        std::move(answers).value(), std::move(header).value(), *pin));
 }
 
-AgentSegment::AgentSegment(pid_t service, MappedMemory frames, SharedMemory answers, MappedMemory header)
+AgentSegment::AgentSegment(pid_t service, std::shared_ptr<const MappedMemory> frames, SharedMemory answers,
+                           MappedMemory header, std::size_t pin)
     : service_(service),
       frames_(std::move(frames)),
       answers_(std::move(answers)),
       answers_header_(std::move(header)),
-      group_(std::uint32_t{1} << (MakeRandomId() % kGroups)) {}
+      pin_(pin),
+      group_(std::uint32_t{1} << (MakeRandomId() % kGroups)) {
+  this->pin() = 0;  // of its last owner
+}
 
-// The descriptor and the size in the header may be of different maps, or old: then the bytes differ.
-std::shared_ptr<const std::byte> AgentSegment::FindMap(std::span<const std::byte> bytes) const {
-  if (bytes.empty() || frames().map_bytes != bytes.size()) return nullptr;
-  const auto descriptor = static_cast<int>(frames().map);
-  const auto memory = SharedMemory::Open(service_, descriptor, bytes.size(), SharedMemory::Peers::kMayRead);
-  if (!memory.ok()) return nullptr;
-  auto mapped = memory.value().Map(0, bytes.size());
-  if (!mapped.ok()) return nullptr;
-  const auto map = std::make_shared<const MappedMemory>(std::move(mapped).value());
-  const std::byte* const begin = &map->At<const std::byte>(0);
-  if (std::memcmp(begin, bytes.data(), bytes.size()) != 0) return nullptr;
-  return {map, begin};
+AgentSegment::~AgentSegment() {
+  pin() = 0;
 }
 
 bool AgentSegment::Wait() {
   waiting_ = true;
-  const std::uint32_t read = read_;
-  while (!closing_ && frames().published.load(std::memory_order_acquire) == read) {
-    FutexWait(frames().published, read, kMaxSleep, group_);
+  const std::uint32_t awaited = awaited_;
+  while (!closing_ && frames().published.load(std::memory_order_acquire) == awaited) {
+    FutexWait(frames().published, awaited, kMaxSleep, group_);
   }
+  // Before the news are read: what is published meanwhile wakes the next call.
+  awaited_ = frames().published.load(std::memory_order_acquire);
   waiting_ = false;
   return !closing_;
 }
@@ -75,20 +90,45 @@ void AgentSegment::Close() {
   }
 }
 
-AgentSegment::Outcome AgentSegment::Read(FrameMessage& frame) {
+AgentSegment::Outcome AgentSegment::ReadSession(SessionMessage& session, PreparedWorld& prepared, Status& reason) {
+  if (closing_) return Outcome::kNothing;
+  if (frames().ended.load(std::memory_order_acquire) != 0) return Outcome::kEnded;
+  SharedSession shared;
+  bool is_read = false;
+  const bool is_new = ReadNewer(frames().session, frames().session_words, session_,
+                                [&](WordReader words) { is_read = words.Read(shared) && words.remaining() == 0; });
+  if (!is_new) return Outcome::kNothing;
+  Result<PreparedWorld> attached =
+      is_read ? AttachWorld(service_, shared.image) : Failure("it has a session with a value that is not known");
+  if (!attached.ok()) {
+    reason = attached.error();
+    return Outcome::kEnded;
+  }
+  prepared = std::move(attached).value();
+  session = SessionMessage{.run = shared.run,
+                           .protocol_version = shared.protocol_version,
+                           .host = std::move(shared.host),
+                           .pid = shared.pid,
+                           .lease_seconds = shared.lease_seconds,
+                           .begun = shared.begun,
+                           .world = WorldOf(prepared.scene),
+                           .world_edition = shared.world_edition,
+                           .incarnation = shared.incarnation};
+  return Outcome::kNews;
+}
+
+AgentSegment::Outcome AgentSegment::Read(const FrameInPlace*& frame) {
   for (;;) {
-    const std::uint32_t newest = frames().published.load(std::memory_order_acquire);
-    if (closing_ || newest == read_) return Outcome::kNothing;
+    if (closing_) return Outcome::kNothing;
     if (frames().ended.load(std::memory_order_acquire) != 0) return Outcome::kEnded;
-    const auto words = frames_.Array<const Word>(BufferOffset(newest) + sizeof(SeqlockHeader), kBufferWords);
-    Status malformed;
-    std::uint64_t seen = 0;
-    const bool complete = ReadNewer(frames_.At<const SeqlockHeader>(BufferOffset(newest)), words, seen,
-                                    [&](const WordReader& reader) { malformed = ReadFrame(reader, frame); });
-    // Its buffer is used again only after another frame was published.
-    if (!complete && newest != frames().published.load(std::memory_order_acquire)) continue;
-    read_ = newest;
-    return complete && malformed.ok() ? Outcome::kFrame : Outcome::kMalformed;
+    const std::uint64_t newest = frames().newest.load(std::memory_order_acquire);
+    if (FrameIn(newest) == read_) return Outcome::kNothing;
+    // In this order (sequentially consistent): see Pin.
+    pin().store(newest);
+    if (frames().newest.load() != newest) continue;
+    read_ = FrameIn(newest);
+    frame = &frames_->At<const FrameInPlace>(BufferOffset(BufferIn(newest)) + SharedArena::kFirstObject);
+    return Outcome::kNews;
   }
 }
 

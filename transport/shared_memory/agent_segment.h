@@ -1,23 +1,21 @@
 // AgentSegment: an agent's end of the memory that the world service of its machine shares: it reads frames and writes
 // proposals. It can change neither frames nor the proposals of other agents.
 //
-// Threads: Wait and Read are for one thread at a time; all other functions for any.
+// Threads: Wait, ReadSession and Read are for one thread at a time; all other functions for any.
 //
-// Two mappings: frames, read-only and sealed by the kernel, and the agent's own slot of the answers. Whatever is read
-// is checked like a message from the network: the service may be stopped in the middle of a message. What it writes is
-// a message in its own name; the service checks that.
-//
-// A frame is read straight into the caller's message, whose memory is used again: a tick allocates nothing in the long
-// run.
+// Mappings: frames, read-only and sealed by the kernel, the agent's own slot of the answers, and the image of the
+// world. Frames and worlds are read in place, without a copy and without checks: only the service can have written
+// them, and publishes them when they are complete. What an agent writes is a message in its own name; the service
+// checks that.
 #pragma once
 
 #include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <span>
 
 #include "transport/protocol/messages.h"
+#include "transport/protocol/transport.h"
 #include "transport/shared_memory/shared_layout.h"
 #include "transport/shared_memory/shared_memory.h"
 #include "troupe/result.h"
@@ -28,13 +26,22 @@ class AgentSegment {
  public:
   // The error: why this process cannot use the memory.
   static Result<std::unique_ptr<AgentSegment>> Open(const SharingAddress& address);
+  ~AgentSegment();
+  AgentSegment(const AgentSegment&) = delete;
+  AgentSegment& operator=(const AgentSegment&) = delete;
 
-  // Until there is a frame that Read has not returned. False: closed.
+  // Until something is published after the last call. False: closed.
   bool Wait();
 
-  enum class Outcome : std::uint8_t { kNothing, kFrame, kMalformed, kEnded };
-  // The newest frame, unless it was read before. kEnded: all frames travel over the network from now on.
-  Outcome Read(FrameMessage& frame);
+  enum class Outcome : std::uint8_t { kNothing, kNews, kEnded };
+  // The newest session, unless it was read before. Its world is in an image, and `prepared` has its scene. kEnded: all
+  // sessions and frames travel over the network from now on; `reason` may say why.
+  Outcome ReadSession(SessionMessage& session, PreparedWorld& prepared, Status& reason);
+  // ReadSession returns the last one again.
+  void ForgetSession() { session_ = 0; }
+  // The newest frame, unless it was read before; nothing changes it until the next call or the end of this. kEnded: as
+  // above.
+  Outcome Read(const FrameInPlace*& frame);
 
   enum class Sent : std::uint8_t {
     kYes,
@@ -43,16 +50,15 @@ class AgentSegment {
   };
   Sent Send(const ProposalMessage& proposal);
 
-  // The map that the service shares, if its bytes are equal to these; otherwise null.
-  std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) const;
-
   // No thread waits any more when it returns, and none will.
   void Close();
 
  private:
-  AgentSegment(pid_t service, MappedMemory frames, SharedMemory answers, MappedMemory header);
+  AgentSegment(pid_t service, std::shared_ptr<const MappedMemory> frames, SharedMemory answers, MappedMemory header,
+               std::size_t pin);
 
-  const FramesHeader& frames() const { return frames_.At<FramesHeader>(0); }
+  const FramesHeader& frames() const { return frames_->At<FramesHeader>(0); }
+  Word& pin() const { return answers_header_.At<Pin>(PinOffset(pin_)).frame; }
   AnswersHeader& answers() const { return answers_header_.At<AnswersHeader>(0); }
   Sent FindSlot(AgentId agent);
   Sent Occupy(std::size_t slot, AgentId agent);
@@ -60,11 +66,14 @@ class AgentSegment {
   void Arrive();
 
   const pid_t service_;
-  const MappedMemory frames_;
+  const std::shared_ptr<const MappedMemory> frames_;
   const SharedMemory answers_;
   const MappedMemory answers_header_;
+  const std::size_t pin_;
   const std::uint32_t group_;  // of the waiters that Close wakes
-  std::atomic<std::uint32_t> read_ = 0;
+  std::uint32_t awaited_ = 0;  // of Wait: what was published by the last call
+  std::uint64_t session_ = 0;  // of ReadSession: the sequence number of the last one
+  std::atomic<std::uint32_t> read_ = 0;  // the number of the newest frame that was read
   std::atomic<bool> waiting_ = false;
   std::atomic<bool> closing_ = false;
 

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -18,20 +18,18 @@ constexpr double kMaxWait = 0.05;
 constexpr double kIdleWait = 0.5;  // without agents
 constexpr double kLearningRate = 0.1;
 
-constexpr std::size_t kReservedAtOnce = std::size_t{1} << 16;  // bytes
-
 }  // namespace
 
 Result<std::unique_ptr<ServiceSegment>> ServiceSegment::Create() {
   SharingAddress address;
   address.machine = ThisMachine();
   if (address.machine.empty()) return Failure("the system does not tell its boot and namespaces");
-  auto frames = SharedMemory::Create("troupe-frames", kFramesBytes, SharedMemory::Peers::kMayRead);
+  auto frames = PlacedMemory::Create("troupe-frames");
   if (!frames.ok()) return frames.error();
   auto answers = SharedMemory::Create("troupe-answers", kAnswersBytes, SharedMemory::Peers::kMayWrite);
   if (!answers.ok()) return answers.error();
   if (Status status = frames.value().memory.Reserve(0, kFramesHeaderBytes); !status.ok()) return status.error();
-  if (Status status = answers.value().memory.Reserve(0, kPage); !status.ok()) return status.error();
+  if (Status status = answers.value().memory.Reserve(0, kAnswersHeaderBytes); !status.ok()) return status.error();
   if (Result<bool> claimed = answers.value().memory.IsClaimed(0, kPage); !claimed.ok()) return claimed.error();
   address.process = getpid();
   address.frames = frames.value().memory.descriptor();
@@ -41,11 +39,11 @@ Result<std::unique_ptr<ServiceSegment>> ServiceSegment::Create() {
       new ServiceSegment(std::move(frames).value(), std::move(answers).value(), address));
 }
 
-ServiceSegment::ServiceSegment(SharedMemory::OwnedMemory frames, SharedMemory::OwnedMemory answers,
-                               const SharingAddress& address)
+ServiceSegment::ServiceSegment(PlacedMemory frames, SharedMemory::OwnedMemory answers, const SharingAddress& address)
     : frames_(std::move(frames)), answers_(std::move(answers)), address_(address) {
   this->frames().key = address_.key;
-  this->frames().layout = kSharedLayout;
+  this->frames().place = reinterpret_cast<std::uintptr_t>(frames_.begin);
+  this->frames().layout = SharedLayout();
 }
 
 void ServiceSegment::Bind(AgentId agent) {
@@ -94,56 +92,109 @@ std::uint32_t ServiceSegment::CountExpected(const FrameMessage& frame) const {
   return count;
 }
 
-void ServiceSegment::ShareMap(std::span<const std::byte> bytes) {
+Status ServiceSegment::PublishSession(const SessionMessage& session) {
   const std::lock_guard lock(mutex_);
-  const std::size_t size = bytes.size();
-  const bool is_shared =
-      map_ && frames().map_bytes == size && std::memcmp(&map_->mapped.At<std::byte>(0), bytes.data(), size) == 0;
-  if (is_shared) return;
-  frames().map_bytes = 0;
-  map_.reset();
-  if (size == 0) return;
-  auto made = SharedMemory::Create("troupe-map", size, SharedMemory::Peers::kMayRead);
-  if (!made.ok() || !made.value().memory.Reserve(0, size).ok()) return;
-  std::memcpy(&made.value().mapped.At<std::byte>(0), bytes.data(), size);
-  map_ = std::move(made).value();
-  frames().map = static_cast<std::uint64_t>(map_->memory.descriptor());
-  frames().map_bytes = size;
+  if (ended_) return {};
+  // The same description is announced again when the run begins.
+  if (image_ == nullptr || &*world_of_image_ != &*session.world) {
+    auto made = WorldImage::Make(session.world);
+    if (!made.ok()) {
+      End();
+      return made.error();
+    }
+    // Agents that still use the previous one have its memory mapped.
+    image_ = std::move(made).value();
+    world_of_image_ = session.world;
+  }
+  edition_of_image_ = session.world_edition;
+  SeqlockWriter writer(frames().session, frames().session_words);
+  writer.words().Add(SharedSession{session.run, session.protocol_version, session.host, session.pid,
+                                   session.lease_seconds, session.begun, session.world_edition, session.incarnation,
+                                   image_->place()});
+  if (!writer.Finish()) {
+    End();
+    return Failure("the name of the host is too long for shared memory");
+  }
+  Announce();
+  return {};
+}
+
+std::optional<std::size_t> ServiceSegment::FindFreeBuffer() {
+  std::array<bool, kBuffers> is_read{};
+  const std::uint64_t newest = frames().newest.load();
+  if (newest != 0) is_read[BufferIn(newest)] = true;
+  // Agents write the number; it must not become less.
+  pins_ = std::max(pins_, std::min<std::size_t>(answers().openings.load(), kPins));
+  for (std::size_t i = 0; i < pins_; ++i) {
+    Word& pin = answers_.mapped.At<Pin>(PinOffset(i)).frame;
+    // Sequentially consistent, as the publication of the newest frame before: see Pin.
+    const std::uint64_t pinned = pin.load();
+    const std::size_t buffer = BufferIn(pinned);
+    if (pinned == 0 || buffer >= kBuffers || buffers_[buffer].content != pinned || is_read[buffer]) continue;
+    // An agent that is behind: it may have ended.
+    if (FrameIn(pinned) + 1 < FrameIn(newest)) {
+      const Result<bool> claimed = answers_.memory.IsClaimed(PinOffset(i), sizeof(Pin));
+      if (claimed.ok() && !claimed.value()) {
+        pin.store(0);
+        continue;
+      }
+    }
+    is_read[buffer] = true;
+  }
+  const auto free = std::find(is_read.begin(), is_read.end(), false);
+  if (free == is_read.end()) return std::nullopt;
+  return static_cast<std::size_t>(free - is_read.begin());
+}
+
+bool ServiceSegment::BelongsToImage(const FrameMessage& frame) const {
+  return image_ != nullptr && frame.world_edition == edition_of_image_ &&
+         image_->scene().CheckState(frame.state).ok();
+}
+
+void ServiceSegment::Fill(Buffer& buffer, std::size_t index, const FrameMessage& frame) {
+  // Once for all agents.
+  const bool is_checked = BelongsToImage(frame);
+  if (buffer.arena == nullptr) {
+    buffer.arena = std::make_unique<SharedArena>(frames_, BufferOffset(index), kBufferBytes);
+  }
+  const SharedArena::Scope scope(*buffer.arena);
+  if (buffer.frame == nullptr) buffer.frame = new FrameInPlace;  // the first object of the buffer
+  buffer.frame->message = frame;
+  buffer.frame->is_checked = is_checked;
 }
 
 Status ServiceSegment::Publish(const FrameMessage& frame) {
   const std::lock_guard lock(mutex_);
   if (ended_) return {};
-  // Readers of the newest frame are left alone: the other buffer is written.
-  const std::uint32_t next = published_ + 1;
-  const std::size_t bytes = sizeof(SeqlockHeader) + CountFrameWords(frame) * sizeof(Word);
-  std::size_t& reserved = reserved_[next % kBuffers];
-  if (bytes > reserved) {
-    const std::size_t more = (bytes - reserved + kReservedAtOnce - 1) / kReservedAtOnce * kReservedAtOnce;
-    Status status = bytes > kBufferBytes ? Status(Failure("a frame is too long for shared memory"))
-                                         : frames_.memory.Reserve(BufferOffset(next) + reserved, more);
-    if (!status.ok()) {
-      End();
-      return status;
-    }
-    reserved += more;
+  const std::optional<std::size_t> free = FindFreeBuffer();
+  if (!free) {
+    End();
+    return Failure("stopped agents read all frames in shared memory");
   }
-  const MappedMemory& memory = frames_.mapped;
-  SeqlockWriter writer(memory.At<SeqlockHeader>(BufferOffset(next)),
-                       memory.Array<Word>(BufferOffset(next) + sizeof(SeqlockHeader), kBufferWords));
-  AddFrame(frame, writer.words());
-  writer.Finish();
-
+  Buffer& buffer = buffers_[*free];
+  buffer.content = 0;
+  try {
+    Fill(buffer, *free, frame);
+  } catch (const std::bad_alloc&) {
+    End();
+    return Failure("a frame is too long for shared memory, or the system has none");
+  }
   missing_ = CountExpected(frame);
   if (frame.awaited.empty()) ++round_;
-  published_ = next;
+  ++published_;
   published_at_ = Clock::now();
+  buffer.content = Newest(published_, *free);
   // Before the frame is visible: its first answer may come at once.
-  answers().missing.store(Missing(next, missing_), std::memory_order_release);
-  frames().published.store(next, std::memory_order_release);
-  FutexWake(frames().published);
+  answers().missing.store(Missing(published_, missing_), std::memory_order_release);
+  frames().newest.store(buffer.content);
+  Announce();
   if (waiting_) Wake();  // for as long as is right for this frame
   return {};
+}
+
+void ServiceSegment::Announce() {
+  frames().published.fetch_add(1, std::memory_order_release);
+  FutexWake(frames().published);
 }
 
 void ServiceSegment::Wake() {
@@ -154,8 +205,7 @@ void ServiceSegment::Wake() {
 void ServiceSegment::End() {
   ended_ = true;
   frames().ended.store(1, std::memory_order_release);
-  frames().published.store(++published_, std::memory_order_release);
-  FutexWake(frames().published);
+  Announce();
 }
 
 double ServiceSegment::LongestWait() const {

@@ -25,6 +25,7 @@
 #include "transport/protocol/messages.h"
 #include "transport/shared_memory/shared_layout.h"
 #include "transport/shared_memory/shared_memory.h"
+#include "transport/shared_memory/world_image.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -52,9 +53,9 @@ class ServiceSegment {
   // An error if there is no memory for the frame. Then sharing has ended: the agents use the network from now on.
   Status Publish(const FrameMessage& frame);
 
-  // Offers the agents a copy of these bytes, in place of the previous one. If there is no memory for it, they keep
-  // their own.
-  void ShareMap(std::span<const std::byte> bytes);
+  // Publishes the session with an image of its world. An error if the image cannot be made: then the agents receive
+  // sessions over the network, and what follows them, too.
+  Status PublishSession(const SessionMessage& session);
 
   // Until there may be new answers. False: closed.
   bool Wait();
@@ -72,9 +73,16 @@ class ServiceSegment {
     std::uint64_t round = 0;  // in which it arrived; 0: none yet
   };
 
-  ServiceSegment(SharedMemory::OwnedMemory frames, SharedMemory::OwnedMemory answers, const SharingAddress& address);
+  // A buffer of frames.
+  struct Buffer {
+    std::unique_ptr<SharedArena> arena;  // null: it was never used
+    std::uint64_t content = 0;           // as FramesHeader::newest; 0: no frame
+    FrameInPlace* frame = nullptr;
+  };
 
-  FramesHeader& frames() const { return frames_.mapped.At<FramesHeader>(0); }
+  ServiceSegment(PlacedMemory frames, SharedMemory::OwnedMemory answers, const SharingAddress& address);
+
+  FramesHeader& frames() const { return frames_.mapped->At<FramesHeader>(0); }
   AnswersHeader& answers() const { return answers_.mapped.At<AnswersHeader>(0); }
   // Whether no agent has the slot or can still write to it. REQUIRES: the mutex is held.
   bool IsFree(std::size_t slot);
@@ -82,9 +90,16 @@ class ServiceSegment {
   bool Read(Slot& slot, std::size_t index, SharedAnswer& answer) const;
   double LongestWait() const;
   void Wake();
+  // Wakes the agents for what is published now.
+  void Announce();
   void End();
+  // The first buffer that no agent reads, without the newest frame; nothing: agents read them all. REQUIRES: the mutex
+  // is held.
+  std::optional<std::size_t> FindFreeBuffer();
+  bool BelongsToImage(const FrameMessage& frame) const;
+  void Fill(Buffer& buffer, std::size_t index, const FrameMessage& frame);  // throws std::bad_alloc
 
-  const SharedMemory::OwnedMemory frames_;
+  const PlacedMemory frames_;
   const SharedMemory::OwnedMemory answers_;
   const SharingAddress address_;
   std::uint32_t seen_wakes_ = 0;         // of Wait
@@ -95,14 +110,17 @@ class ServiceSegment {
   mutable std::mutex mutex_;  // guards the members below
   std::vector<Slot> slots_;   // up to the last that was ever in use
   std::map<AgentId, std::size_t> slot_of_;
-  std::array<std::size_t, kBuffers> reserved_{};  // bytes of each buffer that have real memory
-  std::uint32_t published_ = 0;
+  std::array<Buffer, kBuffers> buffers_;
+  std::uint32_t published_ = 0;  // frames
+  std::size_t pins_ = 0;         // that agents may have claimed: the first ones
   std::uint64_t round_ = 1;    // counts the frames that all agents answer
   std::uint32_t missing_ = 0;  // answers to the newest frame that were expected and not collected
   Clock::time_point published_at_;
   double usual_seconds_ = 0.0;  // from a frame to its last answer
   bool ended_ = false;
-  std::optional<SharedMemory::OwnedMemory> map_;  // of map_bytes in the header
+  std::unique_ptr<WorldImage> image_;         // of the newest session; null: none
+  Shared<WorldDescription> world_of_image_;
+  Edition edition_of_image_ = 0;
 };
 
 }  // namespace troupe

@@ -19,15 +19,6 @@ bool IsAscending(const std::vector<Row>& rows) {
   return std::adjacent_find(rows.begin(), rows.end(), is_out_of_order) == rows.end();
 }
 
-// Ids of models, which only the receiver knows, are not checked here.
-bool HasRobotsOfState(const FrameMessage& frame) {
-  const auto is_known = [&](const Event& event) {
-    return !event.robot || event.robot->index() < frame.state.robots.size();
-  };
-  return std::all_of(frame.events.begin(), frame.events.end(), is_known) &&
-         (frame.commands.empty() || frame.commands.back().robot.index() < frame.state.robots.size());
-}
-
 }  // namespace
 
 void FutexWait(const FutexWord& word, std::uint32_t value, double seconds, std::uint32_t groups) {
@@ -48,21 +39,13 @@ void FutexWake(const FutexWord& word, std::uint32_t groups) {
   syscall(SYS_futex, &word, FUTEX_WAKE_BITSET, INT_MAX, nullptr, nullptr, groups);
 }
 
-void AddFrame(const FrameMessage& frame, WordWriter& words) {
-  words.Add(frame);
-}
-
-std::size_t CountFrameWords(const FrameMessage& frame) {
-  return CountWords(frame);
+std::uint64_t SharedLayout() {
+  constexpr std::uint64_t fields = LayoutOf<SharedSession>(LayoutOf<ProposalMessage>(0x54726f7570650008));
+  return fields ^ LayoutOfBuild();
 }
 
 void AddProposal(const ProposalMessage& message, WordWriter& words) {
   words.Add(message);
-}
-
-Status ReadFrame(WordReader words, FrameMessage& frame) {
-  if (words.Read(frame) && words.remaining() == 0 && IsAscending(frame.commands) && HasRobotsOfState(frame)) return {};
-  return Error{{}, "a frame in shared memory with a value that is not known, or missing"};
 }
 
 Status ReadProposal(WordReader words, ProposalMessage& message) {

@@ -1,11 +1,14 @@
-// The layout of the memory that a world service shares with its agents: two files, one that only the service writes
-// (frames), and one in which each agent has a slot (answers); and one for each map of the run's worlds. All processes
-// have the same version of Troupe: a service and an agent of different layouts find it by the number in the header, and
-// use the network.
+// The layout of the memory that a world service shares with its agents: one file that only the service writes (frames),
+// one in which each agent has a slot (answers), and one for each world of the run (WorldImage). All processes have the
+// same build of Troupe: a service and an agent of different layouts find it by the number in the header, and use the
+// network.
 //
-// Every value that another process may write while it is read is an atomic word (words.h), so that a race is a wrong
-// value, which checks find, and no undefined behaviour. Frames have two buffers: a reader of the newest is disturbed
-// only when the service is already writing the frame after the next.
+// Frames are objects at addresses that are the same in all processes (SharedArena): an agent reads the newest in place.
+// It says so first (Pin), and the service never writes into a frame that is the newest or that an agent reads; it uses
+// another one of its many buffers. So no reader waits for the service or another reader, and the service for none.
+//
+// Every other value that a process may write while another one reads it is an atomic word (words.h), so that a race is
+// a wrong value, which checks find, and no undefined behaviour.
 //
 // Sizes are addresses, not memory: a buffer or slot gets real memory only as far as messages need it.
 #pragma once
@@ -14,9 +17,12 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "transport/protocol/messages.h"
+#include "transport/shared_memory/shared_arena.h"
 #include "transport/shared_memory/words.h"
+#include "transport/shared_memory/world_image.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -85,25 +91,57 @@ bool ReadNewer(const SeqlockHeader& header, std::span<const Word> words, std::ui
   return true;
 }
 
-// Changes with the fields of messages; the number in it with this file and the words of values (words.h).
-inline constexpr std::uint64_t kSharedLayout = LayoutOf<ProposalMessage>(LayoutOf<FrameMessage>(0x54726f7570650007));
-
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::size_t kSlots = 4096;  // agents of a run; more use the network
-inline constexpr std::size_t kBuffers = 2;   // the newest frame, and the one that is being written
-inline constexpr std::size_t kBufferBytes = std::size_t{64} << 20;
+// The newest frame, the one that is being written, and those that slow or stopped agents read.
+inline constexpr std::size_t kBuffers = 63;
+inline constexpr std::size_t kBufferBytes = kPlaceBytes / (kBuffers + 1);  // 128 MiB
 inline constexpr std::size_t kSlotBytes = std::size_t{512} << 10;
+
+// The session of a run, without its world: that is in an image.
+struct SharedSession {
+  RunId run = 0;
+  std::uint32_t protocol_version = 0;
+  std::string host;
+  std::uint32_t pid = 0;
+  double lease_seconds = 0.0;
+  bool begun = false;
+  Edition world_edition = 0;
+  Incarnation incarnation = 0;
+  WorldImagePlace image;
+  bool operator==(const SharedSession&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"run", &SharedSession::run},
+        Field{"protocol_version", &SharedSession::protocol_version},
+        Field{"host", &SharedSession::host},
+        Field{"pid", &SharedSession::pid},
+        Field{"lease_seconds", &SharedSession::lease_seconds},
+        Field{"begun", &SharedSession::begun},
+        Field{"world_edition", &SharedSession::world_edition},
+        Field{"incarnation", &SharedSession::incarnation},
+        Field{"image", &SharedSession::image},
+    };
+  }
+};
+inline constexpr std::size_t kSessionWords = 256;
+
+// Changes with the fields of messages, with the build, and with the number here, which is that of this file and of the
+// words of values (words.h).
+std::uint64_t SharedLayout();
 
 // Only the service writes these, so that no agent can change the frames of another one.
 struct FramesHeader {
   Word layout;
   Word key;
+  Word place;  // address of this memory
   Word ended;  // not 0: frames travel over the network from now on
-  // The descriptor and the bytes of a third file, the map of the world (RayMap), which never changes; 0 bytes: none.
-  Word map;
-  Word map_bytes;
-  // Counts the frames that were published; the newest is in buffer `published` modulo kBuffers. Agents wait for it.
+  SeqlockHeader session;
+  std::array<Word, kSessionWords> session_words;
+  // Counts all that the service publishes: frames, sessions, the end. Agents wait for it.
   alignas(64) FutexWord published;
+  // The newest frame: its number, from 1 on, above that of its buffer.
+  alignas(64) Word newest;
   // The agent of each slot; 0: none; kClaimed: none, and none can have it.
   alignas(64) std::array<Word, kSlots> agents;
 };
@@ -111,12 +149,27 @@ struct FramesHeader {
 inline constexpr AgentId kClaimed = ~AgentId{0};  // no agent has this id
 
 inline constexpr std::size_t kFramesHeaderBytes = (sizeof(FramesHeader) + kPage - 1) / kPage * kPage;
-inline constexpr std::size_t kFramesBytes = kFramesHeaderBytes + kBuffers * kBufferBytes;
+static_assert(kFramesHeaderBytes <= kBufferBytes);
 
-inline constexpr std::size_t BufferOffset(std::uint32_t published) {
-  return kFramesHeaderBytes + (published % kBuffers) * kBufferBytes;
+inline constexpr std::size_t BufferOffset(std::size_t buffer) {
+  return (buffer + 1) * kBufferBytes;
 }
-inline constexpr std::size_t kBufferWords = (kBufferBytes - sizeof(SeqlockHeader)) / sizeof(Word);
+inline constexpr std::uint64_t Newest(std::uint32_t frame, std::size_t buffer) {
+  return (std::uint64_t{frame} << 32) | buffer;
+}
+inline constexpr std::uint32_t FrameIn(std::uint64_t newest) {
+  return static_cast<std::uint32_t>(newest >> 32);
+}
+inline constexpr std::size_t BufferIn(std::uint64_t newest) {
+  return newest & 0xffffffff;
+}
+
+// The first object in a buffer; what it refers to follows in the buffer.
+struct FrameInPlace {
+  FrameMessage message;
+  bool is_checked = false;  // the state belongs to the world of the session with the frame's edition
+};
+static_assert(alignof(FrameInPlace) <= SharedArena::kFirstObject);
 
 // All processes write these. They only decide when the service wakes up: false values cost time, no result.
 struct AnswersHeader {
@@ -124,7 +177,16 @@ struct AnswersHeader {
   // that answers this frame counts down; the one that reaches zero wakes the service, and so do all later ones.
   Word missing;
   alignas(64) FutexWord wakes;
+  alignas(64) FutexWord openings;  // of the memory by agents, so that each tries another pin first
 };
+
+// The frame that an agent reads, as in FramesHeader::newest; 0: none. A reader writes it, and then tests that the frame
+// is still the newest: the service, which publishes a frame before it looks for a buffer, finds the pin or has changed
+// the newest. An agent claims its pin (SharedMemory::Claim), so that the pin of one that has ended is found.
+struct alignas(64) Pin {
+  Word frame;
+};
+inline constexpr std::size_t kPins = kSlots + 64;  // agents that are about to join or to leave have pins, too
 
 // An agent claims its slot (SharedMemory::Claim) before it writes, and until it has left the slot.
 struct SlotHeader {
@@ -132,27 +194,27 @@ struct SlotHeader {
   SeqlockHeader message;
 };
 
-inline constexpr std::size_t kAnswersBytes = kPage + kSlots * kSlotBytes;
-inline constexpr std::size_t SlotOffset(std::size_t slot) {
-  return kPage + slot * kSlotBytes;
+inline constexpr std::size_t PinOffset(std::size_t pin) {
+  return kPage + pin * sizeof(Pin);
 }
+inline constexpr std::size_t kAnswersHeaderBytes = (PinOffset(kPins) + kPage - 1) / kPage * kPage;
+inline constexpr std::size_t SlotOffset(std::size_t slot) {
+  return kAnswersHeaderBytes + slot * kSlotBytes;
+}
+inline constexpr std::size_t kAnswersBytes = SlotOffset(kSlots);
 inline constexpr std::size_t kSlotWords = (kSlotBytes - sizeof(SlotHeader)) / sizeof(Word);
 
 inline constexpr std::uint64_t Missing(std::uint32_t frame, std::uint32_t count) {
   return (std::uint64_t{frame} << 32) | count;
 }
 
-// Frames, always with the whole state, and proposals between their messages and words.
+// Proposals between their messages and words.
 
-void AddFrame(const FrameMessage& frame, WordWriter& words);
-std::size_t CountFrameWords(const FrameMessage& frame);  // that AddFrame adds
 void AddProposal(const ProposalMessage& message, WordWriter& words);
 
-// These fill their messages, so that their memory is used again. An error: the words are no message; the output is then
-// unspecified. Words that change meanwhile give an error, or a message of values that are each of their type: the
-// receiver of a frame checks it by its world (CheckState), the run refuses numbers of a proposal that are not finite
-// with an event that names the robot.
-Status ReadFrame(WordReader words, FrameMessage& frame);
+// Fills the message, so that its memory is used again. An error: the words are no message; the output is then
+// unspecified. Words that change meanwhile give an error, or a message of values that are each of their type: the run
+// refuses numbers of a proposal that are not finite with an event that names the robot.
 Status ReadProposal(WordReader words, ProposalMessage& message);
 
 }  // namespace troupe

@@ -81,7 +81,8 @@ SharedMemory::~SharedMemory() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-Result<SharedMemory::OwnedMemory> SharedMemory::Create(const char* name, std::size_t size, Peers peers) {
+Result<SharedMemory::OwnedMemory> SharedMemory::Create(const char* name, std::size_t size, Peers peers,
+                                                       std::byte* place) {
   // Beyond the limit ftruncate would end the process with a signal.
   rlimit limit{};
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < size) {
@@ -91,7 +92,7 @@ Result<SharedMemory::OwnedMemory> SharedMemory::Create(const char* name, std::si
   if (memory.descriptor_ < 0) return SystemError("making shared memory");
   if (ftruncate(memory.descriptor_, static_cast<off_t>(size)) != 0) return SystemError("sizing shared memory");
   // The mapping of the owner precedes the seal that denies later ones.
-  Result<MappedMemory> mapped = memory.Map(0, size);
+  Result<MappedMemory> mapped = place != nullptr ? memory.MapAt(place, size, false) : memory.Map(0, size);
   if (!mapped.ok()) return mapped.error();
   const int seals = kSizeSeals | (peers == Peers::kMayRead ? F_SEAL_FUTURE_WRITE : 0);
   if (fcntl(memory.descriptor_, F_ADD_SEALS, seals) != 0) return SystemError("sealing shared memory");
@@ -118,6 +119,18 @@ Result<MappedMemory> SharedMemory::Map(std::size_t offset, std::size_t size) con
                            static_cast<off_t>(offset));
   if (begin == MAP_FAILED) return SystemError("mapping shared memory");
   return MappedMemory(static_cast<std::byte*>(begin), size);
+}
+
+Result<MappedMemory> SharedMemory::MapAt(std::byte* place, std::size_t size, bool copy_on_write) const {
+  const int access = writable_ || copy_on_write ? PROT_READ | PROT_WRITE : PROT_READ;
+  // Pages that are never written need no memory of this process.
+  const int kind = copy_on_write ? MAP_PRIVATE | MAP_NORESERVE : MAP_SHARED;
+  void* const begin = mmap(place, size, access, kind | MAP_FIXED_NOREPLACE, descriptor_, 0);
+  if (begin == MAP_FAILED) return SystemError("mapping shared memory at its address");
+  MappedMemory mapped(static_cast<std::byte*>(begin), size);
+  // Systems before Linux 4.17 choose another address.
+  if (begin != place) return Failure("the address of shared memory is in use");
+  return mapped;
 }
 
 Status SharedMemory::Reserve(std::size_t offset, std::size_t size) const {

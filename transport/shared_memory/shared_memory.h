@@ -50,9 +50,9 @@ class SharedMemory {
   enum class Peers : bool { kMayRead, kMayWrite };
 
   // New memory of zeros, which needs real memory only where it is written, and its mapping. Its size never changes.
-  // Other processes may open it as `peers` says.
+  // Other processes may open it as `peers` says. With `place` it is mapped there, or nowhere.
   struct OwnedMemory;
-  static Result<OwnedMemory> Create(const char* name, std::size_t size, Peers peers);
+  static Result<OwnedMemory> Create(const char* name, std::size_t size, Peers peers, std::byte* place = nullptr);
   // The memory behind a descriptor of another process, of the same user, or why it cannot be opened.
   static Result<SharedMemory> Open(pid_t owner, int descriptor, std::size_t size, Peers access);
 
@@ -64,6 +64,9 @@ class SharedMemory {
 
   // Multiples of the page size.
   Result<MappedMemory> Map(std::size_t offset, std::size_t size) const;
+  // The first bytes at this address. The error: other memory is there. `copy_on_write`: writes change the pages in this
+  // process alone.
+  Result<MappedMemory> MapAt(std::byte* place, std::size_t size, bool copy_on_write) const;
   // Obtains real memory for this part: without it a write to the mapping would end the process.
   Status Reserve(std::size_t offset, std::size_t size) const;
 

@@ -23,10 +23,7 @@ void AnnounceSession(const LiveRun& run) {
   session.incarnation = run.options.incarnation;
   session.world = WorldOf(run.scene);
   session.world_edition = run.frame.world_edition;
-  // Before the session: an agent on this host that has read the session finds the map in shared memory, and does not
-  // build its own.
   if (run.options.scenes != nullptr) run.options.scenes->Add(run.scene);
-  run.endpoint.ShareMap(run.scene->static_index().ray_map().bytes());
   run.endpoint.SendSession(session);
 }
 

@@ -15,29 +15,43 @@ namespace {
 constexpr double kMaxLeaveWait = 1.0;  // s, for which the service may acknowledge the last samples
 constexpr auto kMakePeriod = std::chrono::milliseconds(500);  // between two attempts to make the network's endpoints
 
+Qos SessionQos(bool with_earlier) {
+  const Qos qos = qos_profiles::FromMany(qos_profiles::Description());
+  return with_earlier ? qos : Qos(qos) << Durability::Volatile();
+}
+
 }  // namespace
 
-DdsAgentEndpoint::Network::Endpoints::Endpoints(const DdsConnection& connection)
+DdsAgentEndpoint::Network::Endpoints::Endpoints(const DdsConnection& connection, bool with_sessions)
     : proposals(connection, topics::kProposal, qos_profiles::Proposal()),
-      frames(connection, topics::kFrame, qos_profiles::ReceivedFrame()) {}
+      frames(connection, topics::kFrame, qos_profiles::ReceivedFrame()) {
+  if (with_sessions) sessions.emplace(connection, topics::kSession, SessionQos(true));
+}
 
-DdsAgentEndpoint::Network::Network(const DdsConnection& connection, std::function<void(Frames&)> on_frames)
-    : connection_(connection), on_frames_(std::move(on_frames)) {}
+DdsAgentEndpoint::Network::Network(const DdsConnection& connection, std::function<void(Frames&)> on_frames,
+                                   std::function<void(Sessions&)> on_sessions)
+    : connection_(connection), on_frames_(std::move(on_frames)), on_sessions_(std::move(on_sessions)) {}
 
 void DdsAgentEndpoint::Network::Make() {
-  auto made = std::make_unique<Endpoints>(connection_);
+  auto made = std::make_unique<Endpoints>(connection_, on_sessions_ != nullptr);
   const std::lock_guard lock(mutex_);
   endpoints_ = std::move(made);
 }
 
 void DdsAgentEndpoint::Network::Listen() {
   Frames* frames = nullptr;
+  Sessions* sessions = nullptr;
   {
     const std::lock_guard lock(mutex_);
     frames = &endpoints_->frames;
+    if (endpoints_->sessions) sessions = &*endpoints_->sessions;
   }
   // Without the lock: a listener may run at once, and on_frames_ may send.
   frames->Listen([this, frames] { on_frames_(*frames); });
+  if (sessions != nullptr) {
+    sessions->Listen([this, sessions] { on_sessions_(*sessions); });
+    on_sessions_(*sessions);
+  }
   // Frames that arrived before the listener was set.
   on_frames_(*frames);
 }
@@ -72,7 +86,9 @@ void DdsAgentEndpoint::Network::Close() {
   }
   closing_.notify_all();
   if (maker_.joinable()) maker_.join();
-  if (endpoints_) endpoints_->frames.Close();
+  if (!endpoints_) return;
+  endpoints_->frames.Close();
+  if (endpoints_->sessions) endpoints_->sessions->Close();
 }
 
 DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service,
@@ -80,10 +96,13 @@ DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::o
     : connection_(connection),
       data_sharing_(data_sharing),
       joins_(connection, topics::kJoin, qos_profiles::Join(connection.lease_seconds)),
-      sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
+      sessions_(connection, topics::kSession, SessionQos(!data_sharing)),
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       histories_(connection, topics::kHistory, qos_profiles::PastStates()),
-      network_(connection, [this](Network::Frames& frames) { Deliver([&] { DrainFrames(frames); }); }),
+      network_(
+          connection, [this](Network::Frames& frames) { Deliver([&] { DrainFrames(frames); }); },
+          data_sharing ? [this](Sessions& sessions) { Deliver([&] { DrainNetworkSessions(sessions); }); }
+                       : std::function<void(Sessions&)>()),
       services_(connection.proves(), service) {
   if (!data_sharing) network_.Make();
 }
@@ -161,14 +180,13 @@ void DdsAgentEndpoint::SelectTransports() {
   }
 }
 
-std::shared_ptr<const std::byte> DdsAgentEndpoint::FindMap(std::span<const std::byte> bytes) {
-  const std::lock_guard lock(mutex_);  // the way to the sender of a session is chosen while it is delivered
-  const std::lock_guard segments_lock(segments_mutex_);
-  for (const auto& [writer, segment] : segments_) {
-    if (!segment) continue;
-    if (auto map = segment->FindMap(bytes)) return map;
+std::optional<PreparedWorld> DdsAgentEndpoint::FindWorld(const WorldDescription& world) {
+  const std::lock_guard lock(worlds_mutex_);
+  for (const KnownWorld& known : worlds_) {
+    std::shared_ptr<const Scene> scene = known.scene.lock();
+    if (scene != nullptr && known.world == &world) return PreparedWorld{std::move(scene), known.hash};
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 void DdsAgentEndpoint::JoinEndedReaders() {
@@ -196,33 +214,73 @@ void DdsAgentEndpoint::ReadFrames(const Segment& segment, const GuidPrefix& serv
       is_shared = DrainSegment(*segment, service);
     });
   }
-  // The service has ended sharing: its later frames come over the network.
+  // The service has ended sharing: its session and its later frames come over the network.
   if (is_shared) return;
-  network_.Open();
-  const std::lock_guard lock(segments_mutex_);
-  for (auto& [writer, shared] : segments_) {
-    if (shared == segment) shared.reset();
+  {
+    const std::lock_guard lock(segments_mutex_);
+    for (auto& [writer, shared] : segments_) {
+      if (shared == segment) shared.reset();
+    }
   }
+  network_.Open();
+}
+
+bool DdsAgentEndpoint::IsShared(const Sender& service) {
+  const std::lock_guard lock(segments_mutex_);
+  const auto way = segments_.find(service.writer);
+  return way != segments_.end() && way->second != nullptr;
 }
 
 bool DdsAgentEndpoint::DrainSegment(AgentSegment& segment, const GuidPrefix& service) {
+  if (!DrainSharedSession(segment, service)) return false;
+  const FrameInPlace* frame = nullptr;
   for (;;) {
-    switch (segment.Read(shared_frame_)) {
+    switch (segment.Read(frame)) {
       case AgentSegment::Outcome::kNothing:
         return true;
-      case AgentSegment::Outcome::kFrame:
-        if (services_.Judge(shared_frame_.run, shared_frame_.incarnation, service) ==
+      case AgentSegment::Outcome::kNews:
+        if (services_.Judge(frame->message.run, frame->message.incarnation, service) !=
             ServiceRegistry::Verdict::kService) {
-          handler_->OnFrame(shared_frame_);
+          break;
         }
-        break;
-      case AgentSegment::Outcome::kMalformed:
-        connection_.Report("ignored: a malformed frame in shared memory");
+        if (frame->is_checked) {
+          handler_->OnCheckedFrame(frame->message);
+        } else {
+          handler_->OnFrame(frame->message);
+        }
         break;
       case AgentSegment::Outcome::kEnded:
         return false;
     }
   }
+}
+
+bool DdsAgentEndpoint::DrainSharedSession(AgentSegment& segment, const GuidPrefix& service) {
+  SessionMessage session;
+  PreparedWorld prepared;
+  Status reason;
+  switch (segment.ReadSession(session, prepared, reason)) {
+    case AgentSegment::Outcome::kNothing:
+      return true;
+    case AgentSegment::Outcome::kEnded:
+      if (!reason.ok()) {
+        connection_.Report("no data sharing with the world service any more: " + reason.error().message);
+      }
+      return false;
+    case AgentSegment::Outcome::kNews:
+      break;
+  }
+  if (services_.Judge(session.run, session.incarnation, service) != ServiceRegistry::Verdict::kService) {
+    segment.ForgetSession();
+    return true;
+  }
+  {
+    const std::lock_guard lock(worlds_mutex_);
+    std::erase_if(worlds_, [](const KnownWorld& known) { return known.scene.expired(); });
+    worlds_.push_back({prepared.scene, &*session.world, prepared.world_hash});
+  }
+  handler_->OnSession(session);
+  return true;
 }
 
 void DdsAgentEndpoint::DrainSessions() {
@@ -231,7 +289,7 @@ void DdsAgentEndpoint::DrainSessions() {
       [this](const troupe_wire_Session& session, const Sender& sender) {
         if (!services_.Admits(sessions_, session.run, session.incarnation, sender)) return false;
         if (session.ended) EndRuns(sender, true);
-        return !session.ended;
+        return !session.ended && !data_sharing_;
       },
       [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
       [this](const Sender& ended) {
@@ -241,6 +299,18 @@ void DdsAgentEndpoint::DrainSessions() {
       });
   sessions_.Clear();  // a world may be large, and is received once
   SelectTransports();
+}
+
+void DdsAgentEndpoint::DrainNetworkSessions(Sessions& sessions) {
+  const std::lock_guard lock(mutex_);
+  sessions.Drain(
+      [&](const troupe_wire_Session& session, const Sender& sender) {
+        // The end of a service, and sessions that are shared, come otherwise.
+        return !session.ended && !IsShared(sender) &&
+               services_.Admits(sessions, session.run, session.incarnation, sender);
+      },
+      [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); });
+  sessions.Clear();  // a world may be large, and is received once
 }
 
 void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {

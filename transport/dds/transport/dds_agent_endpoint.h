@@ -1,11 +1,15 @@
 // An agent's end of a DdsTransport. It answers on the thread that received the frame, without handing it over.
 //
-// Frames and proposals travel through the memory that a service of the same machine shares (transport/shared_memory).
-// Their reader and their writer on the network exist only if a service was discovered that shares none.
+// Sessions, frames and proposals travel through the memory that a service of the same machine shares
+// (transport/shared_memory). Their readers and their writer on the network exist only if a service was discovered that
+// shares none.
 //
 // Ways to a service: it announces shared memory in the user data of its session writer. If this process can map it,
-// frames are read by a thread that waits on a futex, and proposals are written into the agent's slot; else, or when
-// sharing ends, the endpoints on the network are made. Which way is used changes times, no result.
+// sessions and frames are read by a thread that waits on a futex, and proposals are written into the agent's slot;
+// else, or when sharing ends, the endpoints on the network are made. Which way is used changes times, no result.
+//
+// A reader of sessions exists in any case, which discovers services and their ends. With data sharing it asks for no
+// earlier session: the world of a thousand robots, of which this process would read none, is megabytes.
 //
 // Only one participant is the service of a run for this agent (ServiceRegistry in senders.h); messages of others are
 // ignored, and reported once.
@@ -21,6 +25,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 #include <vector>
@@ -42,40 +47,45 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void Start(AgentHandler& handler) override;
   void SendJoin(const JoinMessage& join) override;
   void SendProposal(const ProposalMessage& proposal) override;
-  std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) override;
+  std::optional<PreparedWorld> FindWorld(const WorldDescription& world) override;
 
  private:
-  // The reader of frames and the writer of proposals on the network.
+  using Sessions = Inbox<troupe_wire_Session, SessionMessage>;
+  // The readers of sessions and frames and the writer of proposals on the network.
   //
   // Threads: any, but for Close.
   class Network {
    public:
     using Frames = Inbox<troupe_wire_Frame, FrameMessage>;
 
-    // `on_frames`: called when there may be frames, on the thread that received them.
-    Network(const DdsConnection& connection, std::function<void(Frames&)> on_frames);
+    // `on_frames`, `on_sessions`: called when there may be some, on the thread that received them. Without
+    // `on_sessions` there is no reader of them.
+    Network(const DdsConnection& connection, std::function<void(Frames&)> on_frames,
+            std::function<void(Sessions&)> on_sessions);
     ~Network() { Close(); }
     // Makes the endpoints. Throws Exception.
     void Make();
-    // Calls on_frames from now on. REQUIRES: Make has succeeded.
+    // Calls on_frames and on_sessions from now on. REQUIRES: Make has succeeded.
     void Listen();
     // Makes them and listens, on a thread of its own: a listener must not make any. Repeats that after a failure, until
     // it succeeds or the network is closed.
     void Open();
     // Sends nothing while there are no endpoints.
     void Send(const ProposalMessage& proposal);
-    // No call of on_frames runs any more when it returns.
+    // No call of these functions runs any more when it returns.
     void Close();
 
    private:
     struct Endpoints {
-      explicit Endpoints(const DdsConnection& connection);
+      Endpoints(const DdsConnection& connection, bool with_sessions);
       Outbox<troupe_wire_Proposal> proposals;
       Frames frames;
+      std::optional<Sessions> sessions;
     };
 
     const DdsConnection& connection_;
     const std::function<void(Frames&)> on_frames_;
+    const std::function<void(Sessions&)> on_sessions_;
     std::mutex mutex_;                      // guards the members below
     std::unique_ptr<Endpoints> endpoints_;  // once made, until the end
     std::thread maker_;
@@ -91,6 +101,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   // Calls a member below; the handler gets a report of a message for which there was no memory.
   void Deliver(const std::function<void()>& drain);
   void DrainSessions();
+  void DrainNetworkSessions(Sessions& sessions);
   void DrainAdmissions();
   void DrainFrames(Network::Frames& frames);
   void DrainHistories();
@@ -100,17 +111,20 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void SelectTransports();
   // A thread that has ended keeps its stack until it is joined. REQUIRES: mutex_ is locked.
   void JoinEndedReaders();
+  // The service shares memory with this process. REQUIRES: mutex_ is locked.
+  bool IsShared(const Sender& service);
   // Null: this service is to be reached over the network.
   Segment OpenSegment(const Sender& service);
   // The thread of a segment.
   void ReadFrames(const Segment& segment, const GuidPrefix& service);
-  // False: frames travel over the network from now on. REQUIRES: mutex_ is locked.
+  // False: sessions and frames travel over the network from now on. REQUIRES: mutex_ is locked.
   bool DrainSegment(AgentSegment& segment, const GuidPrefix& service);
+  bool DrainSharedSession(AgentSegment& segment, const GuidPrefix& service);
 
   const DdsConnection& connection_;
   const bool data_sharing_;
   Outbox<troupe_wire_Join> joins_;
-  Inbox<troupe_wire_Session, SessionMessage> sessions_;
+  Sessions sessions_;
   Inbox<troupe_wire_Admissions, std::vector<AdmissionMessage>> admissions_;
   Inbox<troupe_wire_History, HistoryMessage> histories_;
   Network network_;
@@ -126,8 +140,15 @@ class DdsAgentEndpoint : public AgentEndpoint {
   std::mutex mutex_;  // locked while a handler runs; guards the members below
   AgentHandler* handler_ = nullptr;
   ServiceRegistry services_;
-  FrameMessage shared_frame_;  // filled again and again
   std::vector<Reader> readers_;
+
+  struct KnownWorld {
+    std::weak_ptr<const Scene> scene;
+    const WorldDescription* world;
+    std::uint64_t hash;
+  };
+  std::mutex worlds_mutex_;  // guards the next member; no other is locked while it is
+  std::vector<KnownWorld> worlds_;  // of sessions from shared memory
 };
 
 }  // namespace troupe::dds

@@ -243,6 +243,10 @@ void DdsServiceEndpoint::DrainSessions() {
 
 void DdsServiceEndpoint::SendSession(const SessionMessage& session) {
   run_ = session.run;
+  if (segment_) {
+    const Status published = segment_->PublishSession(session);
+    if (!published.ok()) connection_.Report("data sharing ends: " + published.error().message);
+  }
   for (const auto& group : groups_) group->sessions.Send(session);
 }
 

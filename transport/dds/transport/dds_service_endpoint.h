@@ -132,10 +132,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   ~DdsServiceEndpoint() override;
 
   void Start(ServiceHandler& handler) override;
+  // Publishes it in shared memory first: an agent of this host that finds it there needs no sample.
   void SendSession(const SessionMessage& session) override;
-  void ShareMap(std::span<const std::byte> bytes) override {
-    if (segment_) segment_->ShareMap(bytes);
-  }
   void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override;
   void SendFrame(const FrameMessage& frame) override;
   void SendHistory(const HistoryMessage& history) override;

@@ -21,51 +21,6 @@ struct Memory {
   std::size_t count;
 };
 
-FrameMessage SomeFrame() {
-  FrameMessage frame;
-  frame.run = 77;
-  frame.state.tick = 123456789012345;
-  frame.state_hash = std::numeric_limits<std::uint64_t>::max();
-  frame.last = true;
-  frame.edition = 7;
-  frame.world_edition = 6;
-  frame.fresh_edition = 5;
-  frame.awaited = {1, 0xfedcba9876543210};
-  frame.state.robots = {{{1.0, -0.0, 1e-300, 1.0 / 3.0}, {0.1, 0.2, 0.3}, true}, {}};
-  frame.state.joints = {{0.5, -0.1, true}};
-  frame.state.grippers = {{ModelId(3), std::nullopt, ObjectId(0)}};
-  frame.state.objects = {{{1, 2, 3, 4}, ObjectMode::kHeld, 0.25, GripperId(0), ModelId(9)}};
-  frame.state.stores = {{12.5, -0.0}};
-  frame.state.imus = {{0.5, -0.0, 1e-300}, {}};
-  frame.state.lights = {{true}, {false}};
-  frame.state.cameras = {{0.5, -0.25}};
-  frame.state.transmissions = {{RobotId(1), 5, 9, 3, {2, RobotId(0), {1, 2, 3, 4, 5, 6, 7, 8, 9}}},
-                               {RobotId(0), 0, 0, 0, {}}};
-  frame.state.traffic_robots = {
-      {.robot = RobotId(0), .at = 4, .goal = 7, .since = 5, .waits_for = RobotId(1), .arrivals = 2},
-      {.robot = RobotId(1), .has_left = true}};
-  frame.state.traffic_moves = {{RobotId(0), 3, 5, true}};
-  frame.state.lane_closures = {{2, 600, 300}};
-  frame.state.lane_rules = {{3, 0.5}};
-  frame.state.zones = {{false, 7}, {}};
-  frame.state.coverage = {{0xdeadbeef}};
-  frame.state.charging_robots = {{RobotId(1), 5, 9, true}, {.robot = RobotId(2)}};
-  frame.state.flows = {{1, 2, 3, 4, 5}};
-  frame.state.jobs = {{0, 1, 2, 3, RobotId(1), true}, {.flow = 1}};
-  frame.state.waits = {{RobotId(0), 3, ModelId(5), 4}, {RobotId(1)}};
-  frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
-                  {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};
-  frame.incarnation = 4;
-  RobotCommand drive{.robot = RobotId(0),
-                     .twist = Twist{0.1, -0.2, 0.3},
-                     .grippers = {{0, 50.0, std::nullopt}, {1, std::nullopt, 0.0}}};
-  RobotCommand go{.robot = RobotId(1),
-                  .goal = Goal{7, {{1.0, 2.0}, {3.0, -4.0}}, 0.5},
-                  .messages = {{FleetTopic::kInstantActions, "{}"}, {FleetTopic::kOrder, ""}}};
-  frame.commands = {drive, go};
-  return frame;
-}
-
 ProposalMessage SomeProposal() {
   ProposalMessage message{.run = 77, .agent = 5, .tick = 12};
   const double infinity = std::numeric_limits<double>::infinity();
@@ -86,76 +41,20 @@ ProposalMessage SomeProposal() {
   return message;
 }
 
-TEST(FrameWordsTest, FrameArrivesIntact) {
-  const FrameMessage sent = SomeFrame();
-  const Memory memory(CountFrameWords(sent));
-  WordWriter writer(memory.all());
-  AddFrame(sent, writer);
-  EXPECT_TRUE(writer.fits());
-  EXPECT_EQ(writer.count(), memory.count);
-  FrameMessage came;
-  came.events.resize(7);  // of the frame before
-  ASSERT_TRUE(ReadFrame(WordReader(memory.all()), came).ok());
-  EXPECT_EQ(came, sent);
-}
-
-TEST(FrameWordsTest, EveryCutFrameIsRefused) {
-  const FrameMessage sent = SomeFrame();
-  const Memory memory(CountFrameWords(sent));
-  WordWriter writer(memory.all());
-  AddFrame(sent, writer);
-  FrameMessage came;
-  for (std::size_t size = 0; size < memory.count; ++size) {
-    EXPECT_FALSE(ReadFrame(WordReader(memory.all().first(size)), came).ok()) << size;
-  }
-}
-
-TEST(FrameWordsTest, BadValuesAreRefused) {
-  FrameMessage bad = SomeFrame();
-  const auto is_refused = [](const FrameMessage& frame) {
-    const Memory memory(CountFrameWords(frame));
-    WordWriter writer(memory.all());
-    AddFrame(frame, writer);
-    FrameMessage came;
-    return !ReadFrame(WordReader(memory.all()), came).ok();
-  };
-  bad.state.objects[0].mode = static_cast<ObjectMode>(5);
-  EXPECT_TRUE(is_refused(bad));
-  bad = SomeFrame();
-  bad.events[1].type = static_cast<EventType>(200);
-  EXPECT_TRUE(is_refused(bad));
-  bad = SomeFrame();
-  bad.events[0].robot = RobotId(2);
-  EXPECT_TRUE(is_refused(bad));
-  bad = SomeFrame();
-  bad.commands[1].robot = RobotId(0);  // not ascending
-  EXPECT_TRUE(is_refused(bad));
-  bad = SomeFrame();
-  bad.commands[1].robot = RobotId(2);
-  EXPECT_TRUE(is_refused(bad));
-}
-
 // No words of another process may do more than give an error.
 TEST(MessageWordsTest, RandomWordsAreReadOrRefused) {
   std::mt19937_64 random(1);
-  const FrameMessage frame = SomeFrame();
   const ProposalMessage proposal = SomeProposal();
   const Memory memory(400);
-  FrameMessage came;
   ProposalMessage proposed;
   int read = 0;
   for (int round = 0; round < 20000; ++round) {
     WordWriter writer(memory.all());
-    if (round % 2 == 0) {
-      AddFrame(frame, writer);
-    } else {
-      AddProposal(proposal, writer);
-    }
+    AddProposal(proposal, writer);
     for (int i = 0; i < 3; ++i) {
       const std::uint64_t value = random() % 2 == 0 ? random() % 9 : random();
       memory.words[random() % writer.count()].store(value);
     }
-    read += ReadFrame(WordReader(memory.all().first(writer.count())), came).ok() ? 1 : 0;
     read += ReadProposal(WordReader(memory.all().first(writer.count())), proposed).ok() ? 1 : 0;
   }
   EXPECT_GT(read, 0);

@@ -8,16 +8,20 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "common/spatial/body_index.h"
 #include "tests/support/memory_maps.h"
 #include "transport/shared_memory/agent_segment.h"
 #include "transport/shared_memory/service_segment.h"
+#include "transport/shared_memory/world_image.h"
 
 namespace troupe {
 namespace {
@@ -49,6 +53,13 @@ std::unique_ptr<AgentSegment> OpenFor(const ServiceSegment& service) {
   auto opened = AgentSegment::Open(service.address());
   EXPECT_TRUE(opened.ok()) << (opened.ok() ? "" : opened.error().message);
   return std::move(opened).value();
+}
+
+// The newest frame, unless the agent has read it.
+std::optional<FrameMessage> NewFrame(AgentSegment& agent) {
+  const FrameInPlace* frame = nullptr;
+  if (agent.Read(frame) != AgentSegment::Outcome::kNews) return std::nullopt;
+  return frame->message;
 }
 
 // Waits for `count` answers; gives the proposals.
@@ -93,11 +104,9 @@ TEST(SegmentTest, FrameAndAnswersTravel) {
   for (Tick tick = 1; tick <= 100; ++tick) {
     ASSERT_TRUE(service->Publish(Frame(tick)).ok());
     for (AgentSegment* agent : {first.get(), second.get()}) {
-      FrameMessage came;
       ASSERT_TRUE(agent->Wait());
-      ASSERT_EQ(agent->Read(came), AgentSegment::Outcome::kFrame);
-      EXPECT_EQ(came, Frame(tick));
-      EXPECT_EQ(agent->Read(came), AgentSegment::Outcome::kNothing);
+      EXPECT_EQ(NewFrame(*agent), Frame(tick));
+      EXPECT_EQ(NewFrame(*agent), std::nullopt);
       const AgentId id = agent == first.get() ? kFirst : kSecond;
       EXPECT_EQ(agent->Send(Proposal(id, tick + 1)), AgentSegment::Sent::kYes);
     }
@@ -116,9 +125,8 @@ TEST(SegmentTest, AgentsOfOtherProcessesKeepUpWithThousandsOfTicks) {
     service->Bind(id);
     agents.push_back(std::make_unique<Process>([&] {
       const auto agent = OpenFor(*service);
-      FrameMessage frame;
       while (agent->Wait()) {
-        if (agent->Read(frame) == AgentSegment::Outcome::kFrame) agent->Send(Proposal(id, frame.state.tick + 1));
+        if (const auto frame = NewFrame(*agent)) agent->Send(Proposal(id, frame->state.tick + 1));
       }
     }));
   }
@@ -126,62 +134,6 @@ TEST(SegmentTest, AgentsOfOtherProcessesKeepUpWithThousandsOfTicks) {
     ASSERT_TRUE(service->Publish(Frame(tick)).ok());
     for (const ProposalMessage& answer : CollectSome(*service, 5)) ASSERT_EQ(answer.tick, tick + 1);
   }
-}
-
-std::vector<std::byte> Bytes(std::size_t count, unsigned value) {
-  return std::vector<std::byte>(count, std::byte(value));
-}
-
-TEST(SegmentTest, AgentsFindAMapOfEqualBytesOnly) {
-  const auto service = MakeService();
-  const auto agent = OpenFor(*service);
-  EXPECT_EQ(agent->FindMap(Bytes(5000, 1)), nullptr) << "there is none";
-  service->ShareMap(Bytes(5000, 1));
-  const auto first = agent->FindMap(Bytes(5000, 1));
-  ASSERT_NE(first, nullptr);
-  EXPECT_EQ(std::memcmp(first.get(), Bytes(5000, 1).data(), 5000), 0);
-  EXPECT_EQ(agent->FindMap(Bytes(5000, 2)), nullptr);
-  EXPECT_EQ(agent->FindMap(Bytes(4999, 1)), nullptr);
-  EXPECT_EQ(agent->FindMap({}), nullptr);
-  // One of a later world; that of the earlier one stays with the agents that use it.
-  service->ShareMap(Bytes(70'000, 2));
-  EXPECT_EQ(agent->FindMap(Bytes(5000, 1)), nullptr);
-  EXPECT_NE(agent->FindMap(Bytes(70'000, 2)), nullptr);
-  EXPECT_EQ(std::memcmp(first.get(), Bytes(5000, 1).data(), 5000), 0);
-  service->ShareMap({});
-  EXPECT_EQ(agent->FindMap(Bytes(70'000, 2)), nullptr);
-}
-
-TEST(SegmentTest, AMapIsSharedAndReadOnly) {
-  const auto service = MakeService();
-  service->ShareMap(Bytes(5000, 1));
-  const auto first = OpenFor(*service)->FindMap(Bytes(5000, 1));
-  const auto second = OpenFor(*service)->FindMap(Bytes(5000, 1));
-  ASSERT_TRUE(first != nullptr && second != nullptr);
-  std::set<std::string> inodes;
-  int writable = 0;
-  for (const test::MappedArea& area : test::MapsOf(getpid())) {
-    if (area.name != "/memfd:troupe-map") continue;
-    inodes.insert(area.inode);
-    EXPECT_TRUE(area.access == "r--s" || area.access == "rw-s") << area.access;
-    if (area.access == "rw-s") ++writable;
-  }
-  EXPECT_EQ(writable, 1) << "that of the service itself";
-  EXPECT_EQ(inodes.size(), 1u);
-}
-
-TEST(SegmentTest, WithoutMemoryForAMapAgentsKeepTheirOwn) {
-  const auto service = MakeService();
-  const auto agent = OpenFor(*service);
-  rlimit limit{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
-  const rlimit low{4096, limit.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &low), 0);
-  service->ShareMap(Bytes(5000, 1));
-  EXPECT_EQ(agent->FindMap(Bytes(5000, 1)), nullptr);
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-  service->ShareMap(Bytes(5000, 1));
-  EXPECT_NE(agent->FindMap(Bytes(5000, 1)), nullptr);
 }
 
 TEST(SegmentTest, OnlyAgentsWithASlotSend) {
@@ -232,7 +184,7 @@ TEST(SegmentTest, AStoppedAgentDoesNotWriteIntoTheSlotOfAnother) {
 TEST(SegmentTest, ASlotIsUsedAgainWhenItsAgentHasLeftItOrHasEnded) {
   const auto service = MakeService();
   const auto slot_of = [&](AgentId id) {
-    const auto frames = SharedMemory::Open(service->address().process, service->address().frames, kFramesBytes,
+    const auto frames = SharedMemory::Open(service->address().process, service->address().frames, kPlaceBytes,
                                            SharedMemory::Peers::kMayRead);
     const auto memory = frames.value().Map(0, kFramesHeaderBytes);
     const auto& agents = memory.value().At<const FramesHeader>(0).agents;
@@ -268,11 +220,11 @@ TEST(SegmentTest, MessagesOfEverySizeTravelOrAreRefused) {
   const auto service = MakeService();
   const auto agent = OpenFor(*service);
   service->Bind(kFirst);
-  FrameMessage came;
   for (const std::size_t robots : {1u, 5000u, 3u, 200000u}) {
     ASSERT_TRUE(service->Publish(Frame(robots, robots)).ok());
-    ASSERT_EQ(agent->Read(came), AgentSegment::Outcome::kFrame);
-    EXPECT_EQ(came.state.robots.size(), robots);
+    const auto frame = NewFrame(*agent);
+    ASSERT_TRUE(frame.has_value());
+    EXPECT_EQ(frame->state.robots.size(), robots);
   }
   EXPECT_EQ(agent->Send(Proposal(kFirst, 1, 5000)), AgentSegment::Sent::kYes);
   EXPECT_EQ(CollectSome(*service, 1).front().proposals.size(), 5000u);
@@ -282,19 +234,17 @@ TEST(SegmentTest, MessagesOfEverySizeTravelOrAreRefused) {
 TEST(SegmentTest, FrameThatIsTooLongEndsSharing) {
   const auto service = MakeService();
   const auto agent = OpenFor(*service);
-  EXPECT_FALSE(service->Publish(Frame(1, 2'000'000)).ok());
-  FrameMessage came;
+  EXPECT_FALSE(service->Publish(Frame(1, kBufferBytes / sizeof(RobotState) + 1)).ok());
+  const FrameInPlace* frame = nullptr;
   EXPECT_TRUE(agent->Wait());
-  EXPECT_EQ(agent->Read(came), AgentSegment::Outcome::kEnded);
+  EXPECT_EQ(agent->Read(frame), AgentSegment::Outcome::kEnded);
 }
 
 TEST(SegmentTest, SlowAgentReadsTheNewestFrame) {
   const auto service = MakeService();
   const auto agent = OpenFor(*service);
   for (Tick tick = 1; tick <= 9; ++tick) ASSERT_TRUE(service->Publish(Frame(tick)).ok());
-  FrameMessage came;
-  ASSERT_EQ(agent->Read(came), AgentSegment::Outcome::kFrame);
-  EXPECT_EQ(came.state.tick, 9u);
+  EXPECT_EQ(NewFrame(*agent), Frame(9));
 }
 
 TEST(SegmentTest, AgentsCannotWriteFrames) {
@@ -317,19 +267,17 @@ TEST(SegmentTest, KilledAgentDelaysNoOtherForLong) {
   service->Bind(kSecond);
   Process other([&] {
     const auto own = OpenFor(*service);
-    FrameMessage frame;
     own->Wait();
-    own->Read(frame);
+    NewFrame(*own);
     own->Send(Proposal(kSecond, 2));
   });
-  FrameMessage frame;
   ASSERT_TRUE(service->Publish(Frame(1)).ok());
-  ASSERT_EQ(agent->Read(frame), AgentSegment::Outcome::kFrame);
+  ASSERT_TRUE(NewFrame(*agent).has_value());
   agent->Send(Proposal(kFirst, 2));
   EXPECT_EQ(CollectSome(*service, 2).size(), 2u);
   other.Kill();
   ASSERT_TRUE(service->Publish(Frame(2)).ok());
-  ASSERT_EQ(agent->Read(frame), AgentSegment::Outcome::kFrame);
+  ASSERT_TRUE(NewFrame(*agent).has_value());
   agent->Send(Proposal(kFirst, 3));
   EXPECT_EQ(CollectSome(*service, 1), std::vector{Proposal(kFirst, 3)});
 }
@@ -358,11 +306,9 @@ TEST(SegmentTest, GarbageOfAnAgentAffectsItsOwnSlotOnly) {
                                           SharedMemory::Peers::kMayWrite);
   const auto slot = answers.value().Map(SlotOffset(1), kSlotBytes);
   while (slot.value().At<Word>(0) == 0) std::this_thread::yield();  // until the garbage begins
-  FrameMessage frame;
   for (Tick tick = 1; tick <= 2000; ++tick) {
     ASSERT_TRUE(service->Publish(Frame(tick)).ok());
-    ASSERT_EQ(agent->Read(frame), AgentSegment::Outcome::kFrame);
-    EXPECT_EQ(frame, Frame(tick));
+    EXPECT_EQ(NewFrame(*agent), Frame(tick));
     ASSERT_EQ(agent->Send(Proposal(kFirst, tick + 1)), AgentSegment::Sent::kYes);
     bool arrived = false;
     while (!arrived) {
@@ -411,43 +357,68 @@ TEST(SegmentTest, MemoryOfAnotherProcessOrRunIsRefused) {
   EXPECT_FALSE(AgentSegment::Open(address).ok());
 }
 
+// A service in a process of its own, so that this one maps its memory as an agent does. It calls `act`, announces its
+// address, and calls `then` until it is killed.
+class OtherService {
+ public:
+  explicit OtherService(
+      const std::function<void(ServiceSegment&)>& act,
+      const std::function<void(ServiceSegment&)>& then = [](ServiceSegment&) { pause(); })
+      : process_([&] {
+          const auto segment = MakeService();
+          act(*segment);
+          const std::string text = ToText(segment->address()) + "\n";
+          if (write(pipe_.ends[1], text.data(), text.size()) < 0) _exit(1);
+          for (;;) then(*segment);
+        }) {
+    std::string text;
+    for (char c = 0; c != '\n' && read(pipe_.ends[0], &c, 1) == 1;) text += c;
+    if (!text.empty()) address_ = ParseSharingAddress(text.substr(0, text.size() - 1));
+  }
+  const SharingAddress& address() const { return address_.value(); }
+  void Kill() { process_.Kill(); }
+
+ private:
+  struct Pipe {
+    Pipe() { EXPECT_EQ(pipe(ends), 0); }
+    ~Pipe() {
+      close(ends[0]);
+      close(ends[1]);
+    }
+    int ends[2];
+  };
+  Pipe pipe_;
+  Process process_;
+  std::optional<SharingAddress> address_;
+};
+
 TEST(SegmentTest, MemoryOfAKilledServiceStaysUsableAndItsAddressIsGone) {
-  int pipes[2];
-  ASSERT_EQ(pipe(pipes), 0);
-  Process service([&] {
-    const auto segment = MakeService();
-    segment->Bind(kFirst);
-    if (!segment->Publish(Frame(5)).ok()) return;
-    const std::string text = ToText(segment->address()) + "\n";
-    if (write(pipes[1], text.data(), text.size()) < 0) return;
-    for (;;) pause();
+  OtherService service([](ServiceSegment& segment) {
+    segment.Bind(kFirst);
+    EXPECT_TRUE(segment.Publish(Frame(5)).ok());
   });
-  std::string text;
-  for (char c = 0; c != '\n'; text += c) ASSERT_EQ(read(pipes[0], &c, 1), 1);
-  const SharingAddress address = *ParseSharingAddress(text.substr(0, text.size() - 1));
+  const SharingAddress address = service.address();
   auto opened = AgentSegment::Open(address);
   ASSERT_TRUE(opened.ok());
   service.Kill();
-  FrameMessage frame;
-  EXPECT_EQ(opened.value()->Read(frame), AgentSegment::Outcome::kFrame);
+  EXPECT_EQ(NewFrame(*opened.value()), Frame(5));
   EXPECT_EQ(opened.value()->Send(Proposal(kFirst, 6)), AgentSegment::Sent::kYes);
   EXPECT_FALSE(AgentSegment::Open(address).ok());
-  close(pipes[0]);
-  close(pipes[1]);
 }
 
-TEST(SegmentTest, StoppedAgentReadsAWholeFrameWhenItContinues) {
+TEST(SegmentTest, StoppedAgentReadsOneFrameToItsEndAndThenTheNewest) {
   const auto service = MakeService();
   service->Bind(kFirst);
   Process agent([&] {
     const auto own = OpenFor(*service);
-    FrameMessage frame;
+    const FrameInPlace* frame = nullptr;
     while (own->Wait()) {
-      if (own->Read(frame) != AgentSegment::Outcome::kFrame) _exit(1);
-      for (const RobotState& robot : frame.state.robots) {
-        if (robot.X_WR.x != static_cast<double>(frame.state.tick)) _exit(2);
+      if (own->Read(frame) != AgentSegment::Outcome::kNews) _exit(1);
+      const WorldState& state = frame->message.state;
+      for (const RobotState& robot : state.robots) {
+        if (robot.X_WR.x != static_cast<double>(state.tick)) _exit(2);
       }
-      own->Send(Proposal(kFirst, frame.state.tick + 1));
+      own->Send(Proposal(kFirst, state.tick + 1));
     }
   });
   Tick tick = 1;
@@ -470,6 +441,84 @@ TEST(SegmentTest, StoppedAgentReadsAWholeFrameWhenItContinues) {
   }
   int status = 0;
   EXPECT_EQ(waitpid(agent.pid(), &status, WNOHANG), 0);
+}
+
+// Each frame has the same number in all its robots. The service is killed anywhere, mostly within a publication.
+TEST(SegmentTest, NoPartOfAFrameOfAKilledServiceIsRead) {
+  constexpr int kRounds = 60;
+  int frames = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    Tick next = 1;
+    OtherService service([](ServiceSegment&) {},
+                         [&](ServiceSegment& segment) {
+                           FrameMessage frame = Frame(next, 300 + next % 700);
+                           for (RobotState& robot : frame.state.robots) robot.X_WR.x = static_cast<double>(next);
+                           frame.events.resize(next % 3, Event{next, EventType::kStallBegan, {}, {}, "a long enough text"});
+                           EXPECT_TRUE(segment.Publish(frame).ok());
+                           ++next;
+                         });
+    auto opened = AgentSegment::Open(service.address());
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    const auto read_one = [&] {
+      const FrameInPlace* frame = nullptr;
+      if (opened.value()->Read(frame) != AgentSegment::Outcome::kNews) return;
+      const WorldState& state = frame->message.state;
+      EXPECT_EQ(state.robots.size(), 300 + state.tick % 700);
+      for (const RobotState& robot : state.robots) EXPECT_EQ(robot.X_WR.x, static_cast<double>(state.tick));
+      for (const Event& event : frame->message.events) EXPECT_EQ(event.tick, state.tick);
+      ++frames;
+    };
+    for (int i = 0; i <= round % 8; ++i) {
+      ASSERT_TRUE(opened.value()->Wait());
+      read_one();
+    }
+    service.Kill();
+    read_one();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "round " << round;
+  }
+  EXPECT_GE(frames, kRounds);
+}
+
+TEST(SegmentTest, AFrameThatAnAgentReadsNeverChanges) {
+  const auto service = MakeService();
+  const auto slow = OpenFor(*service);
+  const auto quick = OpenFor(*service);
+  ASSERT_TRUE(service->Publish(Frame(1, 100)).ok());
+  const FrameInPlace* kept = nullptr;
+  ASSERT_EQ(slow->Read(kept), AgentSegment::Outcome::kNews);
+  for (Tick tick = 2; tick < 300; ++tick) {
+    ASSERT_TRUE(service->Publish(Frame(tick, 100)).ok());
+    EXPECT_EQ(NewFrame(*quick), Frame(tick, 100));
+    EXPECT_EQ(kept->message, Frame(1, 100));
+  }
+  EXPECT_EQ(NewFrame(*slow), Frame(299, 100));
+}
+
+TEST(SegmentTest, FramesOfKilledReadersAreUsedAgain) {
+  const auto service = MakeService();
+  for (Tick tick = 1; tick < kBuffers + 10; ++tick) {
+    ASSERT_TRUE(service->Publish(Frame(tick)).ok()) << tick;
+    Process reader([&] {
+      const auto agent = OpenFor(*service);
+      _exit(NewFrame(*agent) == Frame(tick) ? 0 : 1);
+    });
+    reader.Await();
+  }
+}
+
+TEST(SegmentTest, SharingEndsWhenStoppedAgentsReadAllFrames) {
+  const auto service = MakeService();
+  std::vector<std::unique_ptr<AgentSegment>> stopped;
+  Tick tick = 1;
+  for (; tick <= kBuffers; ++tick) {
+    ASSERT_TRUE(service->Publish(Frame(tick)).ok()) << tick;
+    stopped.push_back(OpenFor(*service));
+    ASSERT_EQ(NewFrame(*stopped.back()), Frame(tick));
+  }
+  EXPECT_FALSE(service->Publish(Frame(tick)).ok());
+  EXPECT_TRUE(service->Publish(Frame(tick)).ok()) << "it has ended";
+  const FrameInPlace* frame = nullptr;
+  for (const auto& agent : stopped) EXPECT_EQ(agent->Read(frame), AgentSegment::Outcome::kEnded);
 }
 
 TEST(SegmentTest, CloseEndsWaits) {
@@ -497,6 +546,212 @@ TEST(SegmentTest, LowLimitOfFileSizesIsAnError) {
   int status = -1;
   waitpid(limited.pid(), &status, 0);
   EXPECT_EQ(status, 0);
+}
+
+TEST(SegmentTest, MemoryOfAnotherBuildIsRefused) {
+  const auto service = MakeService();
+  EXPECT_TRUE(AgentSegment::Open(service->address()).ok());
+  const auto frames = SharedMemory::Open(service->address().process, service->address().frames, kPlaceBytes,
+                                         SharedMemory::Peers::kMayRead);
+  const auto header = frames.value().Map(0, kFramesHeaderBytes);
+  // That of the service itself.
+  auto* const own = reinterpret_cast<FramesHeader*>(header.value().At<const FramesHeader>(0).place.load());
+  own->layout = SharedLayout() + 1;
+  const auto opened = AgentSegment::Open(service->address());
+  ASSERT_FALSE(opened.ok());
+  EXPECT_NE(opened.error().message.find("another run or version"), std::string::npos) << opened.error().message;
+}
+
+TEST(SegmentTest, AnAddressInUseIsAnError) {
+  OtherService service([](ServiceSegment&) {});
+  const auto frames = SharedMemory::Open(service.address().process, service.address().frames, kPlaceBytes,
+                                         SharedMemory::Peers::kMayRead);
+  const auto header = frames.value().Map(0, kFramesHeaderBytes);
+  auto* const place = reinterpret_cast<std::byte*>(header.value().At<const FramesHeader>(0).place.load());
+  ASSERT_EQ(mmap(place + kPage, kPage, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0),
+            place + kPage);
+  EXPECT_FALSE(AgentSegment::Open(service.address()).ok());
+  munmap(place + kPage, kPage);
+  EXPECT_TRUE(AgentSegment::Open(service.address()).ok());
+}
+
+// A world with all parts that worlds can have in common.
+WorldDescription SomeWorld(std::size_t robots = 3) {
+  WorldDescription world;
+  world.name = "a world with a name that needs memory";
+  Shape solid;
+  solid.blocks = {{{{0.1, 0.1}, {-0.1, 0.1}, {-0.1, -0.1}, {0.1, -0.1}}, {0.0, 0.3}}};
+  Bitmap bitmap(40, 40);
+  for (int i = 0; i < 40; ++i) bitmap.set_occupied(i, (7 * i) % 40, true);
+  Shape dense;
+  dense.area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), {.center = 20.0, .factor = 0.25},
+                         {.center = 20.0, .factor = 0.25});
+  dense.rectangles_z = {0.0, 1.0};
+  world.shapes = {solid, dense};
+  world.models.push_back({.name = "map", .type = "model", .X_PM = {20.0, 20.0, 0.0, 0.0}, .shape = ShapeId(1)});
+  world.models.push_back({.name = "wall", .type = "model", .X_PM = {-5.0, 0.0, 0.0, 0.5}, .shape = ShapeId(0)});
+  const RangerParameters ranger{.ray_sensors = {RaySensorDescription{}, RaySensorDescription{}}};
+  for (std::size_t i = 0; i < robots; ++i) {
+    const ModelId root(world.models.size());
+    world.models.push_back({.name = "robot" + std::to_string(i), .type = "position",
+                            .X_PM = {static_cast<double>(i), 0.0, 0.0, 0.0}, .shape = ShapeId(0)});
+    RobotDescription robot;
+    robot.name = world.models.back().name;
+    robot.root = root;
+    robot.sensors.push_back({.name = "laser", .model = root, .parameters = ranger});
+    world.robots.push_back(robot);
+  }
+  return world;
+}
+
+SessionMessage Session(const WorldDescription& world, Edition edition = 0) {
+  return {.run = 7, .protocol_version = 1, .host = "here", .pid = 5, .lease_seconds = 2.5, .begun = true,
+          .world = world, .world_edition = edition, .incarnation = 3};
+}
+
+TEST(SharedWorldTest, SomeWorldIsValid) {
+  const Status status = Validate(SomeWorld());
+  EXPECT_TRUE(status.ok()) << status.error().message;
+}
+
+TEST(SharedWorldTest, TheWorldIsReadInPlace) {
+  const WorldDescription world = SomeWorld(300);
+  OtherService service([&](ServiceSegment& segment) {
+    EXPECT_TRUE(segment.PublishSession(Session(world)).ok());
+    FrameMessage frame = Frame(4);
+    frame.state = PlacedState(world);
+    EXPECT_TRUE(segment.Publish(frame).ok());
+  });
+  auto agent = AgentSegment::Open(service.address());
+  ASSERT_TRUE(agent.ok()) << agent.error().message;
+  SessionMessage session;
+  PreparedWorld prepared;
+  Status reason;
+  ASSERT_EQ(agent.value()->ReadSession(session, prepared, reason), AgentSegment::Outcome::kNews);
+  EXPECT_EQ(agent.value()->ReadSession(session, prepared, reason), AgentSegment::Outcome::kNothing);
+  service.Kill();
+  EXPECT_EQ(session, Session(world));
+  EXPECT_EQ(prepared.world_hash, Hash(world));
+  EXPECT_EQ(&prepared.scene->world(), &*session.world);
+  // It changes only pages of its own: those of references that it counts.
+  for (const test::MappedArea& area : test::MapsOf(getpid())) {
+    if (area.name == "/memfd:troupe-world") EXPECT_EQ(area.access, "rw-p");
+    if (area.name == "/memfd:troupe-frames") EXPECT_EQ(area.access, "r--s");
+  }
+  const Shared<std::vector<RaySensorDescription>> counted =
+      std::get<RangerParameters>(session.world->robots[0].sensors[0].parameters).ray_sensors;
+  EXPECT_EQ(counted->size(), 2u);
+
+  const Scene own{Shared<WorldDescription>(world)};
+  const std::span<const std::byte> map = prepared.scene->static_index().ray_map().bytes();
+  EXPECT_TRUE(std::ranges::equal(map, own.static_index().ray_map().bytes()));
+  ASSERT_EQ(prepared.scene->static_index().areas().size(), 1u);
+  EXPECT_EQ(prepared.scene->static_index().areas()[0].bounds(), own.static_index().areas()[0].bounds());
+
+  const FrameInPlace* frame = nullptr;
+  ASSERT_EQ(agent.value()->Read(frame), AgentSegment::Outcome::kNews);
+  EXPECT_TRUE(frame->is_checked);
+  BodyIndex in_place(*prepared.scene);
+  in_place.Assign(frame->message.state);
+  BodyIndex assigned(own);
+  assigned.Assign(PlacedState(world));
+  for (std::size_t i = 0; i < own.body_count(); ++i) {
+    EXPECT_EQ(in_place.pieces_in_world(BodyId(i))[0].vertices, assigned.pieces_in_world(BodyId(i))[0].vertices);
+  }
+}
+
+// A pointer to memory of the maker alone would be wrong in every other process.
+TEST(SharedWorldTest, AnImageHasNoPartInCommonWithItsWorld) {
+  const Shared<WorldDescription> world(SomeWorld());
+  std::set<std::uintptr_t> parts = {reinterpret_cast<std::uintptr_t>(&*world),
+                                    reinterpret_cast<std::uintptr_t>(&world->shapes[1].area->cover())};
+  for (const RobotDescription& robot : world->robots) {
+    const auto& ranger = std::get<RangerParameters>(robot.sensors[0].parameters);
+    parts.insert(reinterpret_cast<std::uintptr_t>(&*ranger.ray_sensors));
+  }
+  EXPECT_EQ(parts.size(), 3u) << "the robots have one list of rays";
+  const auto image = WorldImage::Make(world);
+  ASSERT_TRUE(image.ok());
+  const WorldImagePlace place = image.value()->place();
+  const std::span words(reinterpret_cast<const std::uintptr_t*>(place.place), place.bytes / sizeof(std::uintptr_t));
+  for (const std::uintptr_t part : parts) EXPECT_EQ(std::ranges::count(words, part), 0);
+}
+
+TEST(SharedWorldTest, AnEarlierWorldStaysWithItsUsers) {
+  const auto service = MakeService();
+  const auto agent = OpenFor(*service);
+  SessionMessage first;
+  SessionMessage second;
+  PreparedWorld first_world;
+  PreparedWorld second_world;
+  Status reason;
+  ASSERT_TRUE(service->PublishSession(Session(SomeWorld(3), 0)).ok());
+  ASSERT_EQ(agent->ReadSession(first, first_world, reason), AgentSegment::Outcome::kNews);
+  ASSERT_TRUE(service->PublishSession(Session(SomeWorld(4), 1)).ok());
+  ASSERT_EQ(agent->ReadSession(second, second_world, reason), AgentSegment::Outcome::kNews);
+  EXPECT_EQ(first, Session(SomeWorld(3), 0));
+  EXPECT_EQ(second, Session(SomeWorld(4), 1));
+  EXPECT_NE(first_world.world_hash, second_world.world_hash);
+  EXPECT_EQ(first_world.scene->body_count(), 3u);
+}
+
+TEST(SharedWorldTest, FramesOfTheWorldOfTheSessionAreChecked) {
+  const auto service = MakeService();
+  const auto agent = OpenFor(*service);
+  const auto is_checked = [&](Edition edition, std::size_t robots) {
+    FrameMessage frame = Frame(1);
+    frame.world_edition = edition;
+    frame.state = PlacedState(SomeWorld(robots));
+    EXPECT_TRUE(service->Publish(frame).ok());
+    const FrameInPlace* read = nullptr;
+    EXPECT_EQ(agent->Read(read), AgentSegment::Outcome::kNews);
+    return read->is_checked;
+  };
+  EXPECT_FALSE(is_checked(0, 3)) << "there is no session";
+  ASSERT_TRUE(service->PublishSession(Session(SomeWorld(3), 0)).ok());
+  EXPECT_TRUE(is_checked(0, 3));
+  EXPECT_FALSE(is_checked(1, 3));
+  EXPECT_FALSE(is_checked(0, 4)) << "a state that is not of the world";
+  EXPECT_TRUE(is_checked(0, 3));
+}
+
+TEST(SharedWorldTest, WithoutMemoryForTheWorldSharingEnds) {
+  const auto service = MakeService();
+  const auto agent = OpenFor(*service);
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit low{4096, limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &low), 0);
+  EXPECT_FALSE(service->PublishSession(Session(SomeWorld())).ok());
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  SessionMessage session;
+  PreparedWorld prepared;
+  Status reason;
+  EXPECT_EQ(agent->ReadSession(session, prepared, reason), AgentSegment::Outcome::kEnded);
+}
+
+TEST(SharedArenaTest, BlocksAreUsedAgainAndAFullOneIsAnError) {
+  const auto memory = PlacedMemory::Create("troupe-test");
+  ASSERT_TRUE(memory.ok());
+  constexpr std::size_t kSize = std::size_t{1} << 20;
+  SharedArena arena(memory.value(), 0, kSize);
+  for (int round = 0; round < 100; ++round) {
+    const SharedArena::Scope scope(arena);
+    std::vector<std::string> texts(100, std::string(1000, 'a'));
+    ASSERT_TRUE(arena.Contains(texts.data()) && arena.Contains(texts[50].data()));
+  }
+  EXPECT_LT(arena.end(), kSize / 2);
+  {
+    const SharedArena::Scope scope(arena);
+    EXPECT_THROW(std::string(kSize, 'a'), std::bad_alloc);
+    struct alignas(64) Line {
+      char bytes[64];
+    };
+    const auto line = std::make_unique<Line>();
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(line.get()) % 64, 0u);
+  }
+  const auto outside = std::make_unique<std::string>(1000, 'a');
+  EXPECT_FALSE(arena.Contains(outside.get()) || arena.Contains(outside->data()));
 }
 
 }  // namespace

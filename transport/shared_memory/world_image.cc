@@ -1,0 +1,89 @@
+#include "transport/shared_memory/world_image.h"
+
+#include <map>
+#include <new>
+#include <utility>
+#include <variant>
+
+namespace troupe {
+namespace {
+
+struct Root {
+  explicit Root(Shared<WorldDescription> description) : scene(std::move(description)), hash(Hash(scene.world())) {}
+  Scene scene;
+  std::uint64_t hash;
+};
+
+// The copy of a part that several have in common, once for all of them.
+template <typename T>
+class Copies {
+ public:
+  const std::shared_ptr<const T>& Of(const T& part) {
+    std::shared_ptr<const T>& copy = copies_[&part];
+    if (copy == nullptr) copy = std::make_shared<const T>(part);
+    return copy;
+  }
+
+ private:
+  std::map<const T*, std::shared_ptr<const T>> copies_;
+};
+
+// A copy that has no part in common with another world.
+WorldDescription DetachedCopy(const WorldDescription& world) {
+  WorldDescription copy = world;
+  Copies<std::vector<RaySensorDescription>> ray_sensors;
+  for (RobotDescription& robot : copy.robots) {
+    for (SensorDescription& sensor : robot.sensors) {
+      auto* const ranger = std::get_if<RangerParameters>(&sensor.parameters);
+      if (ranger != nullptr) ranger->ray_sensors = ray_sensors.Of(*ranger->ray_sensors);
+    }
+  }
+  Copies<DenseCover> covers;
+  for (Shape& shape : copy.shapes) {
+    if (shape.area) {
+      shape.area = PixelArea(covers.Of(shape.area->cover()), shape.area->x(), shape.area->y(), shape.area->X_MA());
+    }
+  }
+  return copy;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<WorldImage>> WorldImage::Make(const Shared<WorldDescription>& world) {
+  if (Status status = Validate(*world); !status.ok()) return status.error();
+  Result<PlacedMemory> memory = PlacedMemory::Create("troupe-world");
+  if (!memory.ok()) return memory.error();
+  std::unique_ptr<WorldImage> image(new WorldImage(std::move(memory).value()));
+  SharedArena arena(image->memory_, 0, kPlaceBytes);
+  try {
+    const SharedArena::Scope scope(arena);
+    const auto* const root = new Root(DetachedCopy(*world));
+    image->root_ = root;
+    image->scene_ = &root->scene;
+  } catch (const std::bad_alloc&) {
+    // What was made so far ends with the memory.
+    return Failure("no memory for the world");
+  }
+  image->bytes_ = arena.end();
+  return image;
+}
+
+WorldImagePlace WorldImage::place() const {
+  return {static_cast<std::uint32_t>(memory_.memory.descriptor()), reinterpret_cast<std::uintptr_t>(memory_.begin),
+          bytes_, reinterpret_cast<std::uintptr_t>(root_)};
+}
+
+Result<PreparedWorld> AttachWorld(pid_t owner, const WorldImagePlace& place) {
+  const bool is_inside =
+      place.root >= place.place && place.root - place.place + sizeof(Root) <= place.bytes && place.bytes <= kPlaceBytes;
+  if (!is_inside) return Failure("the world service shares no memory with the world");
+  auto memory =
+      SharedMemory::Open(owner, static_cast<int>(place.descriptor), kPlaceBytes, SharedMemory::Peers::kMayRead);
+  if (!memory.ok()) return memory.error();
+  auto mapped = Attach(memory.value(), place.place, place.bytes, Attachment::kCopyOnWrite);
+  if (!mapped.ok()) return mapped.error();
+  auto* const root = reinterpret_cast<const Root*>(place.root);
+  return PreparedWorld{std::shared_ptr<const Scene>(std::move(mapped).value(), &root->scene), root->hash};
+}
+
+}  // namespace troupe
