@@ -123,8 +123,8 @@ class _Compiler:
 
     def value(self, node: ast.AST, other: Optional[str]) -> _Value:
         """other: the variable of other robots."""
-        if isinstance(node, ast.Constant) and isinstance(node.value, (bool, int, float)):
-            return self.number(node.value)
+        if isinstance(node, ast.Constant):
+            return self.number(self.constant_number(node))
         if isinstance(node, ast.Name):
             return self.name(node)
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == other:
@@ -133,6 +133,8 @@ class _Compiler:
             return self.number(self.constant(node))
         if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
             return self.make(_OPERATORS[type(node.op)], self.value(node.left, other), self.value(node.right, other))
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant):
+            return self.number(-self.constant_number(node.operand))
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.Not)):
             return self.make("negate" if isinstance(node.op, ast.USub) else "not", self.value(node.operand, other))
         if isinstance(node, ast.BoolOp):
@@ -144,6 +146,11 @@ class _Compiler:
         if isinstance(node, ast.Call):
             return self.call(node, other)
         raise self.wrong(node, _LANGUAGE)
+
+    def constant_number(self, node: ast.Constant) -> float:
+        if not isinstance(node.value, (bool, int, float)):
+            raise self.wrong(node, _LANGUAGE)
+        return float(node.value)
 
     def folded(self, op: str, values: Sequence[_Value]) -> _Value:
         result = values[0]
