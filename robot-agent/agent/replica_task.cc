@@ -20,7 +20,8 @@ Result<PreparedWorld> Prepare(Shared<WorldDescription> world, const AgentResourc
   }
   const std::uint64_t hash = Hash(*world);
   if (resources.scenes != nullptr) {
-    if (std::shared_ptr<const Scene> scene = resources.scenes->Find(world)) return PreparedWorld{std::move(scene), hash};
+    if (std::shared_ptr<const Scene> scene = resources.scenes->Find(world))
+      return PreparedWorld{std::move(scene), hash};
   }
   if (const Status status = Validate(world); !status.ok()) return status.error();
   return PreparedWorld{std::make_shared<const Scene>(std::move(world)), hash};

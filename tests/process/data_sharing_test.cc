@@ -111,24 +111,19 @@ TEST(DataSharing, AgentsKeepNoMemoryAndNoThreadForAKilledService) {
   run.Wait();
 }
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kCanLimitAddresses = false;
-#else
-constexpr bool kCanLimitAddresses = true;
-#endif
-
 // With too few addresses (ulimit -v, KiB) for all shared memory, or for that of the world.
 TEST(DataSharing, WithoutRoomForItGivesTheSameHashes) {
-  if (!kCanLimitAddresses) GTEST_SKIP() << "sanitizers need more addresses than a limit leaves";
+  if (!kCanLimitMemory) GTEST_SKIP() << "sanitizers need more addresses than a limit leaves";
   const std::string expected = HashLogOf({"--in-process"});
   const std::vector<std::pair<std::string, std::string>> notice_by_limit = {{"6000000", "no data sharing: "},
-                                                                           {"15000000", "data sharing ends: "}};
+                                                                            {"15000000", "data sharing ends: "}};
   for (const auto& [limit, notice] : notice_by_limit) {
     const TemporaryFolder folder;
     const std::string command = "ulimit -v " + limit + " && exec \"$0\" \"$@\"";
-    const std::string output = OutputOf(Program(Words(
-        "/bin/sh -c % % run % --ticks 100 --speed max --headless --no-ros --domain % --hash-log %",
-        {command, ProgramPath("troupe"), WorldPath("pen.world"), std::to_string(TestDomain()), folder.Path("hashes")})));
+    const std::string output = OutputOf(
+        Program(Words("/bin/sh -c % % run % --ticks 100 --speed max --headless --no-ros --domain % --hash-log %",
+                      {command, ProgramPath("troupe"), WorldPath("pen.world"), std::to_string(TestDomain()),
+                       folder.Path("hashes")})));
     EXPECT_THAT(output, HasSubstr(notice)) << limit;
     EXPECT_EQ(folder.Read("hashes"), expected) << limit;
   }
@@ -136,13 +131,14 @@ TEST(DataSharing, WithoutRoomForItGivesTheSameHashes) {
 
 // Three agents read the world and frames in place, and one cannot.
 TEST(DataSharing, AnAgentThatCannotShareGivesTheSameHashes) {
-  if (!kCanLimitAddresses) GTEST_SKIP() << "sanitizers need more addresses than a limit leaves";
+  if (!kCanLimitMemory) GTEST_SKIP() << "sanitizers need more addresses than a limit leaves";
   const std::string expected = HashLogOf({"--in-process"});
   const TemporaryFolder folder;
   const std::string session = TestSession("one-without");
   const std::string domain = std::to_string(TestDomain());
-  Program service(Words("% % --session % --domain % --lease 5 --hash-log % --ticks 100",
-                        {ProgramPath("world-service"), WorldPath("pen.world"), session, domain, folder.Path("hashes")}));
+  Program service(
+      Words("% % --session % --domain % --lease 5 --hash-log % --ticks 100",
+            {ProgramPath("world-service"), WorldPath("pen.world"), session, domain, folder.Path("hashes")}));
   std::vector<Program> agents;
   for (const std::string robot : {"r0", "r1", "r2", "r3"}) {
     const std::string limit = robot == "r3" ? "ulimit -v 6000000 && " : "";
@@ -167,7 +163,8 @@ TEST(DataSharing, AgentsFollowEditsInPlace) {
   OutputOf(Ctl(session, {"spawn", "rover", "--name", "r9", "--pose=0,-2,0,0"}));
   // Robots may refer to the world that they were made in.
   for (const pid_t agent : agents) {
-    EXPECT_TRUE(Eventually([&] { return SharedMemoryOf(agent, "world").size() == 2; })) << "the agent has the new world";
+    EXPECT_TRUE(Eventually([&] { return SharedMemoryOf(agent, "world").size() == 2; }))
+        << "the agent has the new world";
   }
   run.Interrupt();
 }

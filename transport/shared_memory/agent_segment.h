@@ -70,9 +70,9 @@ class AgentSegment {
   const SharedMemory answers_;
   const MappedMemory answers_header_;
   const std::size_t pin_;
-  const std::uint32_t group_;  // of the waiters that Close wakes
-  std::uint32_t awaited_ = 0;  // of Wait: what was published by the last call
-  std::uint64_t session_ = 0;  // of ReadSession: the sequence number of the last one
+  const std::uint32_t group_;            // of the waiters that Close wakes
+  std::uint32_t awaited_ = 0;            // of Wait: what was published by the last call
+  std::uint64_t session_ = 0;            // of ReadSession: the sequence number of the last one
   std::atomic<std::uint32_t> read_ = 0;  // the number of the newest frame that was read
   std::atomic<bool> waiting_ = false;
   std::atomic<bool> closing_ = false;

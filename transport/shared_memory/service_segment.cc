@@ -147,8 +147,7 @@ std::optional<std::size_t> ServiceSegment::FindFreeBuffer() {
 }
 
 bool ServiceSegment::BelongsToImage(const FrameMessage& frame) const {
-  return image_ != nullptr && frame.world_edition == edition_of_image_ &&
-         image_->scene().CheckState(frame.state).ok();
+  return image_ != nullptr && frame.world_edition == edition_of_image_ && image_->scene().CheckState(frame.state).ok();
 }
 
 void ServiceSegment::Fill(Buffer& buffer, std::size_t index, const FrameMessage& frame) {

@@ -113,12 +113,12 @@ class ServiceSegment {
   std::array<Buffer, kBuffers> buffers_;
   std::uint32_t published_ = 0;  // frames
   std::size_t pins_ = 0;         // that agents may have claimed: the first ones
-  std::uint64_t round_ = 1;    // counts the frames that all agents answer
-  std::uint32_t missing_ = 0;  // answers to the newest frame that were expected and not collected
+  std::uint64_t round_ = 1;      // counts the frames that all agents answer
+  std::uint32_t missing_ = 0;    // answers to the newest frame that were expected and not collected
   Clock::time_point published_at_;
   double usual_seconds_ = 0.0;  // from a frame to its last answer
   bool ended_ = false;
-  std::unique_ptr<WorldImage> image_;         // of the newest session; null: none
+  std::unique_ptr<WorldImage> image_;  // of the newest session; null: none
   Shared<WorldDescription> world_of_image_;
   Edition edition_of_image_ = 0;
 };

@@ -80,9 +80,9 @@ class SharedArena {
   static constexpr std::size_t kClasses = 160;  // of sizes: four for each power of two
 
   const PlacedMemory& memory_;
-  const std::size_t limit_;       // bytes from the begin of the memory, as the next two
-  std::size_t next_;              // the first that was never allocated
-  std::size_t reserved_;          // up to here there is real memory
+  const std::size_t limit_;             // bytes from the begin of the memory, as the next two
+  std::size_t next_;                    // the first that was never allocated
+  std::size_t reserved_;                // up to here there is real memory
   std::array<void*, kClasses> free_{};  // lists of freed blocks, by class; each has the next one in its first bytes
 };
 

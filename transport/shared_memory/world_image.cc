@@ -1,9 +1,10 @@
 #include "transport/shared_memory/world_image.h"
 
-#include <map>
+#include <algorithm>
 #include <new>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -14,18 +15,21 @@ struct Root {
   std::uint64_t hash;
 };
 
-// The copy of a part that several have in common, once for all of them.
+// The copy of a part that several have in common, once for those that follow each other closely: else it costs memory.
 template <typename T>
 class Copies {
  public:
-  const std::shared_ptr<const T>& Of(const T& part) {
-    std::shared_ptr<const T>& copy = copies_[&part];
-    if (copy == nullptr) copy = std::make_shared<const T>(part);
-    return copy;
+  std::shared_ptr<const T> Of(const T& part) {
+    const std::size_t first = copies_.size() - std::min(copies_.size(), kSought);
+    for (std::size_t i = copies_.size(); i > first; --i) {
+      if (copies_[i - 1].first == &part) return copies_[i - 1].second;
+    }
+    return copies_.emplace_back(&part, std::make_shared<const T>(part)).second;
   }
 
  private:
-  std::map<const T*, std::shared_ptr<const T>> copies_;
+  static constexpr std::size_t kSought = 16;  // as many kinds of robots as a world may have in turn
+  std::vector<std::pair<const T*, std::shared_ptr<const T>>> copies_;
 };
 
 // A copy that has no part in common with another world.

@@ -147,7 +147,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
     const WorldDescription* world;
     std::uint64_t hash;
   };
-  std::mutex worlds_mutex_;  // guards the next member; no other is locked while it is
+  std::mutex worlds_mutex_;         // guards the next member; no other is locked while it is
   std::vector<KnownWorld> worlds_;  // of sessions from shared memory
 };
 

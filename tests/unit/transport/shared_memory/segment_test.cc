@@ -449,14 +449,15 @@ TEST(SegmentTest, NoPartOfAFrameOfAKilledServiceIsRead) {
   int frames = 0;
   for (int round = 0; round < kRounds; ++round) {
     Tick next = 1;
-    OtherService service([](ServiceSegment&) {},
-                         [&](ServiceSegment& segment) {
-                           FrameMessage frame = Frame(next, 300 + next % 700);
-                           for (RobotState& robot : frame.state.robots) robot.X_WR.x = static_cast<double>(next);
-                           frame.events.resize(next % 3, Event{next, EventType::kStallBegan, {}, {}, "a long enough text"});
-                           EXPECT_TRUE(segment.Publish(frame).ok());
-                           ++next;
-                         });
+    OtherService service(
+        [](ServiceSegment&) {},
+        [&](ServiceSegment& segment) {
+          FrameMessage frame = Frame(next, 300 + next % 700);
+          for (RobotState& robot : frame.state.robots) robot.X_WR.x = static_cast<double>(next);
+          frame.events.resize(next % 3, Event{next, EventType::kStallBegan, {}, {}, "a long enough text"});
+          EXPECT_TRUE(segment.Publish(frame).ok());
+          ++next;
+        });
     auto opened = AgentSegment::Open(service.address());
     ASSERT_TRUE(opened.ok()) << opened.error().message;
     const auto read_one = [&] {
@@ -593,8 +594,10 @@ WorldDescription SomeWorld(std::size_t robots = 3) {
   const RangerParameters ranger{.ray_sensors = {RaySensorDescription{}, RaySensorDescription{}}};
   for (std::size_t i = 0; i < robots; ++i) {
     const ModelId root(world.models.size());
-    world.models.push_back({.name = "robot" + std::to_string(i), .type = "position",
-                            .X_PM = {static_cast<double>(i), 0.0, 0.0, 0.0}, .shape = ShapeId(0)});
+    world.models.push_back({.name = "robot" + std::to_string(i),
+                            .type = "position",
+                            .X_PM = {static_cast<double>(i), 0.0, 0.0, 0.0},
+                            .shape = ShapeId(0)});
     RobotDescription robot;
     robot.name = world.models.back().name;
     robot.root = root;
@@ -605,8 +608,15 @@ WorldDescription SomeWorld(std::size_t robots = 3) {
 }
 
 SessionMessage Session(const WorldDescription& world, Edition edition = 0) {
-  return {.run = 7, .protocol_version = 1, .host = "here", .pid = 5, .lease_seconds = 2.5, .begun = true,
-          .world = world, .world_edition = edition, .incarnation = 3};
+  return {.run = 7,
+          .protocol_version = 1,
+          .host = "here",
+          .pid = 5,
+          .lease_seconds = 2.5,
+          .begun = true,
+          .world = world,
+          .world_edition = edition,
+          .incarnation = 3};
 }
 
 TEST(SharedWorldTest, SomeWorldIsValid) {
