@@ -112,12 +112,13 @@ def play(arguments, folder, name):
     """A run; the text of its hash log."""
     troupe, log = arguments.programs / "troupe", folder / f"{name}.hashes"
     options, is_slow, is_killed = RUNS[name]
-    session = f"fleet-runs-{os.getpid()}-{name.replace(' ', '-')}"
+    session = f"fleet-runs-{os.getpid()}-{list(RUNS).index(name)}"
     with Broker(folder) as broker, SlowBroker(broker) as slow:
         url = slow.url if is_slow else broker.url
         wait = arguments.wait + (4000 * DELAY if is_slow else 0)
         with Listener(sys.executable, EXAMPLE / "fleet_control.py", folder / "warehouse.lif.json", "--broker", url, "--jobs",
-                      folder / "warehouse.jobs", "--vehicles", str(arguments.vehicles), "--clearance", "1.1", "--patience", "60"):
+                      folder / "warehouse.jobs", "--vehicles", str(arguments.vehicles), "--clearance", "1.1", "--patience", "60") as control:
+            control.wait_for("listening at ")
             with Listener(troupe, "run", folder / "warehouse.json", "--vda5050", url, "--vda5050-wait", f"{wait:g}", "--headless", *options,
                           "--ticks", str(arguments.ticks), "--hash-log", log, "--record", folder / f"{name}.mcap", "--session", session) as run:
                 if is_killed:
