@@ -254,6 +254,7 @@ class Connection:
         self.client, self.came, self.patience = mqtt.Client(), 0, arguments.patience
         self.client.on_connect = lambda client, *_: client.subscribe([(f"{arguments.interface}/+/+/+/{topic}", 1)
                                                                       for topic in ("connection", "factsheet", "state")])
+        self.client.on_subscribe = lambda *_: print(f"listening at {arguments.broker}", flush=True)
         self.client.on_message = self._on_message
         self.receive = receive
         if url.scheme == "mqtts":
