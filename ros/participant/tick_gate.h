@@ -91,6 +91,8 @@ class TickGate {
     AgentEndpoints* agent;
     std::uint32_t writer;
     std::vector<std::byte> bytes;
+    std::string topic;
+    std::size_t hash;
   };
   // Of one text.
   struct Round {
@@ -135,7 +137,7 @@ class TickGate {
   std::size_t held_bytes_ = 0;  // of the newest round
   std::optional<Told> told_;         // of the tick that is shown
   int tells_ = 0;                    // that are not answered; an edit may come before nodes know of a tick
-  std::set<AgentEndpoints*> asked_;    // that have not shown the tick again yet
+  std::set<AgentEndpoints*> asked_;    // that have not shown the tick again yet, though it may be late for some
   std::set<std::string> late_topics_;  // that are written again, if they have been written for the tick
   Time asked_at_ = {};               // the last time, or the start of the tick
   Time present_at_ = Time::max();    // since then the awaited programs are there
