@@ -251,8 +251,8 @@ bool TickGate::IsSettled(const std::vector<TopicWatch::Unheard>& unheard, Time n
   return now >= quiet_at;
 }
 
-// The tick was told, and waits for a node that has not been heard of, or whose program before has ended. One that answers
-// a probe only now may have missed the messages.
+// The tick was told, and waits for a node that has not been heard of, or whose program before has ended. One that
+// answers a probe only now may have missed the messages.
 void TickGate::ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard, Time now) {
   const Time reader_at(Clock::duration(reader_at_.load(std::memory_order_relaxed)));
   if (!HasProbed(unheard, now) && now - std::max(asked_at_, ChangedAt()) < kMaxProbe) return UpdateBy(now + kPoll);
