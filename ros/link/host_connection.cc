@@ -272,7 +272,8 @@ void HostConnection::AwaitSettled() {
   Send(LinkKind::kSettle, kNothing);
   FlushNow();
   while (is_settling_) {
-    const Clock::time_point end = begin + (link_ ? Clock::duration(kMaxSettle) : Clock::duration(kMaxSettleWithoutProgram));
+    const Clock::time_point end =
+        begin + (link_ ? Clock::duration(kMaxSettle) : Clock::duration(kMaxSettleWithoutProgram));
     if (Clock::now() >= end) return;
     settled_.wait_until(lock, end);
   }

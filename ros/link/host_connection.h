@@ -56,8 +56,8 @@ class HostConnection final : public RosConnection {
   std::vector<std::string> DrainMismatches() override;
   void Receive() override;
   void Flush() override;
-  // Waits until the program has made all endpoints, and has told which have readers and what was kept for them; for some
-  // seconds at most, or one without a program.
+  // Waits until the program has made all endpoints, and has told which have readers and what was kept for them; for
+  // some seconds at most, or one without a program.
   void AwaitSettled();
   // Waits until all that was written has been passed to the program, or for a second: it may be dead.
   void AwaitSent();
@@ -145,7 +145,7 @@ class HostConnection final : public RosConnection {
   std::mutex executing_;  // held while a handler runs, and by the end of a service
   std::mutex changing_;   // guards the one below, and is held while it runs
   std::function<void()> changed_;
-  std::mutex mutex_;            // guards all below
+  std::mutex mutex_;  // guards all below
   std::condition_variable settled_;
   bool is_settling_ = false;    // AwaitSettled waits
   std::unique_ptr<Link> link_;  // null: not connected. Only the thread replaces it

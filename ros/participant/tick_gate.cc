@@ -86,14 +86,14 @@ bool TickGate::Arm(const std::string& text) {
 void TickGate::Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWriter& writer,
                      std::span<const std::byte> bytes, bool is_again) {
   if (is_again && !asked_.contains(&agent)) return;
-  const bool is_for_late_readers = is_again && !is_closed_;
-  if (is_for_late_readers && !late_topics_.contains(writer.topic())) return;
   const std::optional<std::int64_t> stamp = StampOf(bytes, writer.type());
   const std::size_t hash = HashOf(writer.topic(), bytes);
   // An agent that is started again when its tick was released shows it when the next one is armed.
   const bool has_time = HasTime(bytes, writer.type());
   const bool is_of_tick_before = has_time && follows_ && previous_.seen.contains(hash);
   const bool is_new = round_.seen.insert(hash).second && !is_of_tick_before;
+  const bool is_for_late_readers = is_again && !is_closed_ && !is_new;
+  if (is_for_late_readers && !late_topics_.contains(writer.topic())) return;
   if (!is_for_late_readers) {
     // The time is repeated in any wait.
     if (!is_new && (has_time || is_again || (is_closed_ && writer.topic() == kClockTopic))) return;
@@ -102,7 +102,7 @@ void TickGate::Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWrit
     count.stamp = stamp;
   }
   if (!is_closed_ || !writer.is_volatile()) return agent.WriteSample(id, bytes);
-  round_.held.push_back({&agent, id, {bytes.begin(), bytes.end()}});
+  round_.held.push_back({&agent, id, {bytes.begin(), bytes.end()}, writer.topic(), hash});
   held_bytes_ += bytes.size();
   if (held_bytes_ > kMaxHeld) Open();
 }
@@ -118,8 +118,14 @@ void TickGate::OnShown(AgentEndpoints& agent) {
 }
 
 void TickGate::Remove(AgentEndpoints& agent) {
+  // Its successor shows again what nodes have not been sent.
   for (Round* const round : {&round_, &previous_}) {
-    std::erase_if(round->held, [&agent](const Held& held) { return held.agent == &agent; });
+    std::erase_if(round->held, [&agent, round](const Held& held) {
+      if (held.agent != &agent) return false;
+      round->seen.erase(held.hash);
+      --round->counts[held.topic].messages;
+      return true;
+    });
   }
   if (told_ && told_->agent == &agent) told_.reset();
   if (agent.tells()) tells_ = 0;
@@ -168,10 +174,7 @@ void TickGate::UpdateCalls(Time now) {
 
 void TickGate::UpdateTick(Time now) {
   if (!told_) return;
-  if (!asked_.empty()) {
-    if (now - asked_at_ < kMaxShow) return UpdateBy(asked_at_ + kMaxShow);
-    asked_.clear();
-  }
+  if (!asked_.empty() && now - asked_at_ < kMaxShow) return UpdateBy(asked_at_ + kMaxShow);
   const bool has_asked = present_at_ <= asked_at_;
   if (!is_closed_ || has_asked) Open();
   const std::vector<TopicWatch::Unheard> unheard = FindAwaited();
@@ -248,8 +251,8 @@ bool TickGate::IsSettled(const std::vector<TopicWatch::Unheard>& unheard, Time n
   return now >= quiet_at;
 }
 
-// The tick was told, and waits for a node that has not been heard of, or whose program before has ended. One that answers
-// a probe only now may have missed the messages.
+// The tick was told, and waits for a node that has not been heard of, or whose program before has ended. One that
+// answers a probe only now may have missed the messages.
 void TickGate::ShowToLateReaders(const std::vector<TopicWatch::Unheard>& unheard, Time now) {
   const Time reader_at(Clock::duration(reader_at_.load(std::memory_order_relaxed)));
   if (!HasProbed(unheard, now) && now - std::max(asked_at_, ChangedAt()) < kMaxProbe) return UpdateBy(now + kPoll);
@@ -302,7 +305,7 @@ std::string TickGate::ListOfTopics() const {
   std::string stamps;
   for (const auto& [on_dds, count] : round_.counts) {
     const std::string topic = TopicToTell(on_dds);
-    if (topic.empty()) continue;
+    if (topic.empty() || count.messages == 0) continue;
     list += fmt::format("{}{}:{}", list.empty() ? "" : " ", topic, count.messages);
     if (count.stamp && *count.stamp != time) stamps += fmt::format(" @{}:{}", topic, *count.stamp);
   }

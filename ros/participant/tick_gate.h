@@ -12,12 +12,13 @@
 // An awaited program is settled when its nodes have answered a NodeProbe and no endpoint of the domain has come or gone
 // for a while; without services for parameters, when that while was longer. In the tick in which it is awaited for the
 // first time, readers that come later still make the agents show their topics again, to all readers: a node may make
-// readers at any time. From its first answer on nothing is written twice, and no reader changes what another one receives. A program
-// that has ended is awaited again: its successor, which may have come before the end was known, is probed, and the
-// agents then show the topics that it reads again.
+// readers at any time. From its first answer on nothing is written twice, and no reader changes what another one
+// receives. A program that has ended is awaited again: its successor, which may have come before the end was known, is
+// probed, and the agents then show the topics that it reads again.
 //
 // Messages are the same if they have the same bytes on the same topic for the same tick: an agent that is started again
-// shows its tick again, perhaps when the next one is armed. Messages of types without a time may be equal and not the same: these all pass.
+// shows its tick again, perhaps when the next one is armed. Messages of types without a time may be equal and not the
+// same: these all pass.
 //
 // Used on the thread of the ParticipantServer; NoteReader and Call on any.
 #pragma once
@@ -91,6 +92,8 @@ class TickGate {
     AgentEndpoints* agent;
     std::uint32_t writer;
     std::vector<std::byte> bytes;
+    std::string topic;
+    std::size_t hash;
   };
   // Of one text.
   struct Round {
@@ -132,13 +135,13 @@ class TickGate {
   HeldCalls calls_;
   bool is_closed_ = false;
   bool is_shown_ = false;
-  std::size_t held_bytes_ = 0;  // of the newest round
-  std::optional<Told> told_;         // of the tick that is shown
-  int tells_ = 0;                    // that are not answered; an edit may come before nodes know of a tick
-  std::set<AgentEndpoints*> asked_;    // that have not shown the tick again yet
+  std::size_t held_bytes_ = 0;         // of the newest round
+  std::optional<Told> told_;           // of the tick that is shown
+  int tells_ = 0;                      // that are not answered; an edit may come before nodes know of a tick
+  std::set<AgentEndpoints*> asked_;    // that have not shown the tick again yet, though it may be late for some
   std::set<std::string> late_topics_;  // that are written again, if they have been written for the tick
-  Time asked_at_ = {};               // the last time, or the start of the tick
-  Time present_at_ = Time::max();    // since then the awaited programs are there
+  Time asked_at_ = {};                 // the last time, or the start of the tick
+  Time present_at_ = Time::max();      // since then the awaited programs are there
   // By program and service; null: DDS refuses one.
   std::map<std::pair<dds_instance_handle_t, std::string>, std::unique_ptr<NodeProbe>> probes_;
   bool is_probed_ = false;            // all awaited programs have answered

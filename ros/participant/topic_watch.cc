@@ -119,8 +119,8 @@ void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& wat
     watches_.emplace(watched, Watch{owner, id, std::move(callbacks)});
   }
   if (IsNode(watched) && !answers_) {
-    answers_ = std::make_unique<AnswerReader>(
-        participant_, [this](const std::string& node, dds_instance_handle_t writer) {
+    answers_ =
+        std::make_unique<AnswerReader>(participant_, [this](const std::string& node, dds_instance_handle_t writer) {
           NoteWriter(node, writer);
           Note(node);
         });
@@ -242,7 +242,8 @@ std::vector<TopicWatch::Unheard> TopicWatch::FindUnheard() {
       added.is_present = nodes.size() <= writers;
     }
     for (const auto& [handle, writer] : writers_) {
-      const bool may_write = added.is_node ? writer.topic == kAnswerTopic && is_unknown(handle) : writer.topic == watched;
+      const bool may_write =
+          added.is_node ? writer.topic == kAnswerTopic && is_unknown(handle) : writer.topic == watched;
       if (may_write) added.programs.insert(writer.program);
     }
     if (!added.is_node) added.is_present = !added.programs.empty();

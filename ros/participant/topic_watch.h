@@ -13,8 +13,8 @@
 // simulated time.
 //
 // A watch may be of a node that answers on /world/tick_done by its name, too. Any watch is heard from its first message
-// until the program that wrote its newest one has ended, though another program may write on the topic. One that is not heard is `present` once a program could write its first
-// message: TickGate then holds no tick back for it any longer.
+// until the program that wrote its newest one has ended, though another program may write on the topic. One that is not
+// heard is `present` once a program could write its first message: TickGate then holds no tick back for it any longer.
 #pragma once
 
 #include <dds/dds.h>
@@ -172,16 +172,16 @@ class TopicWatch {
   const RosParticipant& participant_;
   TopicReaders& agents_;
   const std::function<void()> wake_;
-  std::map<std::string, std::unique_ptr<AnyReader>> readers_;        // by topic, of the one thread, as those below
-  std::unique_ptr<AnswerReader> answers_;                            // once a node is watched
-  std::map<dds_instance_handle_t, Writer> writers_;                  // on watched topics
-  std::map<dds_instance_handle_t, Reader> of_domain_;                // of topics, not of services
+  std::map<std::string, std::unique_ptr<AnyReader>> readers_;  // by topic, of the one thread, as those below
+  std::unique_ptr<AnswerReader> answers_;                      // once a node is watched
+  std::map<dds_instance_handle_t, Writer> writers_;            // on watched topics
+  std::map<dds_instance_handle_t, Reader> of_domain_;          // of topics, not of services
   std::map<dds_instance_handle_t, ParameterService> parameter_services_;
   Time changed_at_ = std::chrono::steady_clock::now();
   std::mutex mutex_;  // guards the four below
   Round round_;
   Round previous_;
-  std::multimap<std::string, Watch> watches_;           // by topic or node
+  std::multimap<std::string, Watch> watches_;  // by topic or node
   // The writer of the newest message; null: it is not known.
   std::map<std::string, dds_instance_handle_t> heard_;
   dds::DataReaderListener listener_;

@@ -184,7 +184,7 @@ class Trial:
                                "--session", self.session], capture_output=True, text=True, timeout=LIMIT)
         if done.returncode == 0:
             return done.stdout
-        if "is gone" in done.stderr or "no run" in done.stderr:
+        if "is gone" in done.stderr or "no world service" in done.stderr:
             self.notes.append(f"'{' '.join(map(str, words))}' got no reply")
             return None
         raise Failure(f"troupe ctl {' '.join(map(str, words))}: {done.stderr.strip()}")
