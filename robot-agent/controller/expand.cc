@@ -138,7 +138,7 @@ class ExpandController final : public Controller {
   Recovery recovery_;
   std::size_t ranger_;
   Shared<std::vector<PlacedRay>> rays_;
-  std::optional<std::size_t> scanner_;                 // with a circle to keep clear
+  std::optional<std::size_t> scanner_;                  // with a circle to keep clear
   std::optional<Shared<std::vector<PlacedRay>>> scan_;  // its rays
   Escape escape_;
   double escape_until_ = 0.0;  // s, simulated

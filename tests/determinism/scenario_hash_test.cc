@@ -45,7 +45,7 @@ TEST(ScenarioHash, TheDemoIsTheSameAsEver) {
 }
 
 TEST(ScenarioHash, TheSwarmIsTheSameAsEver) {
-  EXPECT_EQ(HashAfter("swarm.json", 100), 0x1ea71174b811db6bu);
+  EXPECT_EQ(HashAfter("swarm.json", 100), 0xa260d5edc584d01du);
 }
 
 TEST(ScenarioHash, ScenariosWithGrippersAreTheSameAsEver) {

@@ -107,7 +107,9 @@ Result<const EditedEntity*> Editor::FindEntity(const std::string& name) const {
 }
 
 Error Editor::Elsewhere(const EditedEntity& entity, const std::string& what) {
-  return {{}, fmt::format("{} is {} at {}:{}; edit it there", Quoted(entity.name), what, entity.where.file, entity.where.line)};
+  return {
+      {},
+      fmt::format("{} is {} at {}:{}; edit it there", Quoted(entity.name), what, entity.where.file, entity.where.line)};
 }
 
 // A model may be written in an include file, made by a spawn rule or be a part of a define: the error says where it can

@@ -52,8 +52,7 @@ Result<Editor::Place> Editor::PlaceOfRobotOfWorld(const EditedEntity& entity) co
   Place place = std::move(scenario).value();
   if (robots == nullptr || find_entry(*robots) == nullptr) {
     const std::size_t count = robots != nullptr ? robots->items.size() : 0;
-    Result<std::string> extended =
-        WithValueAt(place.text, root, {"robots", count, "name"}, Json(entity.name).dump());
+    Result<std::string> extended = WithValueAt(place.text, root, {"robots", count, "name"}, Json(entity.name).dump());
     if (!extended.ok()) return extended.error();
     place.text = std::move(extended).value();
     Result<JsonTree> read = JsonTree::Parse(place.text, path());
@@ -110,7 +109,8 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   }
   // A model of the world file: the scenario moves it.
   if (entity.parent != nullptr) {
-    return Error{{}, fmt::format("{} is a part of a model at {}:{}", Quoted(entity.name), entity.where.file, entity.where.line)};
+    return Error{
+        {}, fmt::format("{} is a part of a model at {}:{}", Quoted(entity.name), entity.where.file, entity.where.line)};
   }
   const Result<JsonTree> read = JsonTree::Parse(text(), path());
   if (!read.ok()) return read.error();
@@ -179,8 +179,7 @@ Result<Json> Editor::Execute(const edit::SetValue& operation) {
   };
   const Result<Place> place = find_place();
   if (!place.ok()) return place.error();
-  Result<std::string> changed =
-      WithValueAt(place.value().text, *place.value().entry, operation.path, operation.value);
+  Result<std::string> changed = WithValueAt(place.value().text, *place.value().entry, operation.path, operation.value);
   if (!changed.ok()) return changed.error();
   std::string what;
   for (const auto& step : operation.path) {

@@ -27,7 +27,7 @@ constexpr std::int64_t kMaxWork = 100'000'000;  // pixels that a stroke fills, s
 constexpr double kMinPixel = 0.001;             // m
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFreed = 255;
-constexpr std::size_t kMaxDepth = 12;    // of a value of a scenario
+constexpr std::size_t kMaxDepth = 12;      // of a value of a scenario
 constexpr std::size_t kMaxTogether = 500;  // edits
 
 // The text of a value on one line, with the blanks that people write.

@@ -119,8 +119,8 @@ struct SetProperty {
   std::string name;
   PropertyChange change;
 };
-// "path": keys and indices, "value": JSON, or null: it is removed; a value of a scenario, or with "name" of the entry of a
-// robot or model
+// "path": keys and indices, "value": JSON, or null: it is removed; a value of a scenario, or with "name" of the entry
+// of a robot or model
 struct SetValue {
   std::string name;
   JsonPath path;
@@ -140,8 +140,8 @@ struct Copy {
   std::string name;
   Pose pose;
 };
-// "edits": [{"op": "set_pose", "delete" or "copy", ...}, ...], one after another, as one edit of the history; none of them
-// counts if one is refused
+// "edits": [{"op": "set_pose", "delete" or "copy", ...}, ...], one after another, as one edit of the history; none of
+// them counts if one is refused
 struct Together {
   std::vector<std::variant<SetPose, Delete, Copy>> edits;
 };

@@ -348,8 +348,8 @@ std::string WithoutMember(const std::string& text, const JsonNode& object, const
 
 namespace {
 
-// The value, in the objects and arrays that the steps from `first` on name. Entries of a list of the file itself begin lines
-// of their own.
+// The value, in the objects and arrays that the steps from `first` on name. Entries of a list of the file itself begin
+// lines of their own.
 Result<std::string> ValueInSteps(const JsonPath& path, std::size_t first, const std::string& value) {
   std::string whole = value;
   for (std::size_t i = path.size(); i > first; --i) {

@@ -118,8 +118,8 @@ std::string WithoutMember(const std::string& text, const JsonNode& object, const
 // The way to a value: keys of objects and indices of arrays.
 using JsonPath = std::vector<std::variant<std::string, std::size_t>>;
 
-// With the value, JSON, at the path from `node` on, or without it. Objects and arrays that are missing are made; the index
-// behind the last element adds one. The error names a step that leads nowhere.
+// With the value, JSON, at the path from `node` on, or without it. Objects and arrays that are missing are made; the
+// index behind the last element adds one. The error names a step that leads nowhere.
 Result<std::string> WithValueAt(const std::string& text, const JsonNode& node, const JsonPath& path,
                                 const std::optional<std::string>& value);
 

@@ -270,8 +270,9 @@ TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
 // A robot of the scenario's world has what an entry of `robots` gives it.
 TEST(EditorTest, AScenarioChangesTheRobotsOfItsWorld) {
   const test::TemporaryFolder folder;
-  folder.Write("yard.world",
-               "position ( name \"rover\" pose [0 0 0 0] ctrl \"wander\" )\nposition ( name \"other\" pose [2 0 0 0] )\n");
+  folder.Write(
+      "yard.world",
+      "position ( name \"rover\" pose [0 0 0 0] ctrl \"wander\" )\nposition ( name \"other\" pose [2 0 0 0] )\n");
   const auto editor = OpenedEditor(folder.Write("s.json", "{\n  \"world\": \"yard.world\"\n}\n"));
   const Json before = Applied(*editor, {{"op", "entity"}, {"name", "rover"}});
   EXPECT_EQ(before["refusal"], "");
@@ -312,8 +313,8 @@ TEST(EditorTest, SeveralEditsAreOneOrNone) {
   const Json copies = {{{"op", "copy"}, {"name", "a"}, {"pose", {5, 0, 0, 0}}},
                        {{"op", "copy"}, {"name", "b"}, {"pose", {6, 0, 0, 0}}}};
   EXPECT_EQ(Applied(*editor, {{"op", "together"}, {"edits", copies}})["names"], Json({"a1", "b1"}));
-  Applied(*editor, {{"op", "together"},
-                    {"edits", {{{"op", "delete"}, {"name", "a1"}}, {{"op", "delete"}, {"name", "b1"}}}}});
+  Applied(*editor,
+          {{"op", "together"}, {"edits", {{{"op", "delete"}, {"name", "a1"}}, {{"op", "delete"}, {"name", "b1"}}}}});
   EXPECT_EQ(editor->text(), text);
 }
 

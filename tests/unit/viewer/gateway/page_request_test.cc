@@ -311,7 +311,8 @@ TEST(PageRequestTest, MalformedEditsHaveTheirReason) {
           {R"("create_bitmap", "file": "a.png", "size": [1, 1, 1], "pixel": 0, "pose": [0, 0, 0, 0])",
            "found the number 0 as 'pixel', expected a number between 0.001 and 1000000"},
           {R"("set_value", "value": 1)", "found no 'path', expected a list of keys and indices"},
-          {R"("set_value", "path": ["a", -1], "value": 1)", "found the number -1 as 'path[1]', expected a whole number"},
+          {R"("set_value", "path": ["a", -1], "value": 1)",
+           "found the number -1 as 'path[1]', expected a whole number"},
           {R"("together", "edits": [{"op": "save"}])",
            "found the operation 'save' among several, expected set_pose, delete or copy"}}) {
     EXPECT_EQ(EditError(members), reason) << members;

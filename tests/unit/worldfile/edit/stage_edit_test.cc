@@ -252,7 +252,8 @@ TEST(JsonEditTest, AValueIsSetAtItsPath) {
   EXPECT_EQ(with(R"({"a": 1})", {"b", "c"}, std::nullopt), R"({"a": 1})");
   // Steps that lead nowhere.
   EXPECT_EQ(with(R"({"a": 1})", {"a", "b"}, "5"), "found the number 1, expected an object with b");
-  EXPECT_EQ(with(R"({"a": [1]})", {"a", std::size_t{7}}, "5"), "found an array of 1, expected a list with an element 7");
+  EXPECT_EQ(with(R"({"a": [1]})", {"a", std::size_t{7}}, "5"),
+            "found an array of 1, expected a list with an element 7");
 }
 
 TEST(JsonEditTest, MembersAndElementsAreAddedInTheFormOfTheOthers) {
