@@ -79,7 +79,7 @@ TEST(RouteGraphs, WithFaultsAreNamedWithTheirPlaces) {
     const char* error;
   } cases[] = {
       {Features({Node(0, 0, 0), RouteEdge(1, 0, 7)}),
-       "g.geojson:3:68: error: found 7 as 'features[1].properties.endid'"},
+       "g.geojson:3:68: error: found the number 7 as 'features[1].properties.endid'"},
       {Features({Node(0, 0, 0), Node(0, 1, 1)}), "an id that no other node or edge has"},
       {Features({Node(0, 0, 0), RouteEdge(1, 0, 0)}), "another node than that of 'startid'"},
       {Features({Node(0, 1e9, 0)}), "features[0].geometry.coordinates[0]"},
