@@ -88,7 +88,7 @@ Status ServiceProcess::Start(const RunKeys& keys) {
 
 // A service that died before the run began loads the world file again, as there may be no journal yet.
 Status ServiceProcess::Restart(const RunKeys& keys, const std::vector<std::uint16_t>& ports, bool begun) {
-  std::vector<std::string> more = {"--resume"};
+  std::vector<std::string> more = {"--resume", fmt::format("--successor={}", ++successors_)};
   for (const std::uint16_t port : ports) more.push_back("--port=" + std::to_string(port));
   has_begun_ = begun;
   return StartProcess(keys, more);

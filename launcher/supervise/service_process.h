@@ -122,6 +122,7 @@ class ServiceProcess {
   OutputParts trace_parts_;
   std::string trace_file_;
   bool has_begun_ = false;
+  std::uint32_t successors_ = 0;  // services that were started again
   std::unique_ptr<Child> process_;
 };
 

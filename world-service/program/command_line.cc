@@ -38,6 +38,7 @@ void AddJournalFlags(CLI::App& app, ServiceCommandLine& line) {
       ->expected(2)
       ->needs(journal)
       ->group("");
+  app.add_option("--successor", line.successor, "")->group("");
   app.add_flag("--journal-optional", outputs.journal_is_optional, "")->group("");
 }
 

@@ -45,8 +45,8 @@ Result<PreparedRun> LoadFile(const RunSource& source) {
   run.ros_lockstep = loaded.value().ros_lockstep;
   source.run.ApplyTo(run.options.settings);
   run.options.world_file = source.file;
-  // Its agents know that it is not the service that they were started for.
-  if (source.resume) run.options.first_incarnation = 1;
+  // Its agents know that it is not the service that they were started for, and not another one that has died since.
+  if (source.resume) run.options.first_incarnation = source.successor;
   return run;
 }
 
@@ -68,7 +68,7 @@ Result<PreparedRun> Branch(const RunSource& source) {
     Result<LoadedWorld> file = LoadWorld(run.begin->source->run().file);
     if (file.ok()) run.ros_lockstep = std::move(file.value().ros_lockstep);
   }
-  if (source.resume) run.options.resumed->incarnation = 1;  // as in LoadFile
+  if (source.resume) run.options.resumed->incarnation = source.successor;  // as in LoadFile
   return run;
 }
 

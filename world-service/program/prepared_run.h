@@ -41,6 +41,7 @@ struct RunSource {
   FleetOptions fleet;
   std::optional<std::uint32_t> domain;  // of the run on DDS, which its robots cannot have in ROS; nothing: none
   bool resume = false;                  // the run of the journal in `outputs`
+  Incarnation successor = 1;            // with `resume`: the number of this service among those that were started again
 };
 
 struct PreparedRun {
