@@ -62,8 +62,9 @@ std::optional<RobotId> FindRobot(const WorldDescription& world, const std::strin
 }
 
 std::optional<std::size_t> FindVisitor(const WorldDescription& world, PersonId person) {
-  const auto found = std::lower_bound(world.visitors.begin(), world.visitors.end(), person,
-                                      [](const VisitorDescription& visitor, PersonId id) { return visitor.person < id; });
+  const auto found =
+      std::lower_bound(world.visitors.begin(), world.visitors.end(), person,
+                       [](const VisitorDescription& visitor, PersonId id) { return visitor.person < id; });
   if (found == world.visitors.end() || found->person != person) return std::nullopt;
   return static_cast<std::size_t>(found - world.visitors.begin());
 }

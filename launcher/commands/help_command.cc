@@ -52,7 +52,7 @@ constexpr Example kExamples[] = {
     {"export-map", "troupe export-map office.world -o office.yaml", "for ROS's map_server"},
     {"export-views", "troupe export-views office.world -o office", "for rviz2 -d office.rviz, and Foxglove"},
     {"import-plan", "troupe import-plan hall.svg -o hall.world --unit cm", "the walls of a drawing"},
-    {"loopback", "troupe loopback office.world --robot rover.urdf --pose 2,-0.4,90", "in place of nav2_loopback_sim"},
+    {"loopback", "troupe loopback hall.yaml --robot rover.urdf --pose 2,1,90", "in place of nav2_loopback_sim"},
     {"fleet", "troupe fleet check --vda5050 mqtt://localhost --for 60 --junit results.xml",
      "a minute of a fleet at a broker"},
     {"fleet", "troupe fleet check fleet.jsonl", "a log of its messages"},

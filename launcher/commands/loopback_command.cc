@@ -40,8 +40,8 @@ std::string Absolute(const std::string& path) {
 }
 
 // The scenario of a map with the robot: `robot` is the path of its file. The own one is as fast as it is told.
-std::string LoopbackScenario(const LoopbackOptions& options, const LoopbackParameters& parameters, const std::string& robot,
-                         bool is_own) {
+std::string LoopbackScenario(const LoopbackOptions& options, const LoopbackParameters& parameters,
+                             const std::string& robot, bool is_own) {
   Json properties = {{"localization", "gps"}};
   if (is_own) properties["velocity_bounds"] = {-10, 10, -10, 10, 0, 0, -720, 720};
   const Json scenario = {

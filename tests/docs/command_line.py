@@ -20,7 +20,7 @@ import tempfile
 SECONDS = 60
 # Until Ctrl-C.
 WATCHED = {"troupe run office.world", "troupe run office.world --robot rover.urdf@2,-0.4,90",
-           "troupe loopback office.world --robot rover.urdf --pose 2,-0.4,90", "troupe view run.mcap",
+           "troupe loopback hall.yaml --robot rover.urdf --pose 2,1,90", "troupe view run.mcap",
            "troupe view --listen 0.0.0.0:8470 --view-only", "troupe edit office.world"}
 AT_A_BROKER = ("troupe fleet check --vda5050",)  # fleet_check_test runs these
 AT_A_TERMINAL = {"troupe teleop r0"}
@@ -151,6 +151,9 @@ def main():
         pathlib.Path("rover.urdf").write_text(
             '<robot name="rover"><link name="base"><collision><geometry><box size="0.4 0.4 0.2"/></geometry></collision></link>'
             '</robot>\n')
+        pathlib.Path("hall.pgm").write_bytes(b"P5 40 30 255\n" + bytes(40) + bytes([254]) * 1160)  # a wall in the north
+        pathlib.Path("hall.yaml").write_text(
+            "image: hall.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n")
         pathlib.Path("hall.svg").write_text('<svg><path d="M0 0H400V300H0Z"/></svg>')
         pathlib.Path("office.test.json").write_text(
             '{"scenario": "office.world", "ticks": 20, "vary": {"seed": {"range": [1, 3]}}, '

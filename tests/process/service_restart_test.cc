@@ -14,6 +14,7 @@
 namespace troupe::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 pid_t ServiceOf(const Program& run) {
@@ -235,7 +236,7 @@ TEST_F(ServiceRestartTest, ARunEndsWhoseRecordingCannotBeContinuedForLackOfSpace
                               " --headless --ticks 2000 --domain " + std::to_string(TestDomain()) + " --record " +
                               Path("run.mcap");
   EXPECT_THAT(OutputOf(Program({"/bin/sh", "-c", command}), 3),
-              HasSubstr("run.mcap.journal-a: error: cannot write: File too large"));
+              AllOf(HasSubstr("run.mcap"), HasSubstr(": error: cannot write: File too large")));  // or its journal
   const Finished replay = Finish(Troupe({"replay", Path("run.mcap"), "--verify"}));
   EXPECT_THAT(replay.output, HasSubstr("state hashes are equal"));
 }

@@ -82,8 +82,10 @@ const BadScenario kAgainstTheSchema[] = {
     {"UnknownKey", Quoted("{'wolrd': 'office.world'}"),
      ":1:2: found the key 'wolrd', expected one of $schema, agent_deadline, controller, cover, design, events, expect, "
      "flows, hosts, "
-     "include, metrics, mode, models, name, network, on_agent_loss, override, people, places, properties, recorded_people, "
-     "regions, restart_agents, robots, robots_per_process, ros, ros_lockstep, ros_no_hit, scenario, seed, spawn, speed, ticks, "
+     "include, metrics, mode, models, name, network, on_agent_loss, override, people, places, properties, "
+     "recorded_people, "
+     "regions, restart_agents, robots, robots_per_process, ros, ros_lockstep, ros_no_hit, scenario, seed, spawn, "
+     "speed, ticks, "
      "vary, where, without, world, zones; did you mean 'world'?"},
     {"UnknownKeyOfARobot", Alone("'robots': [{'name': 'r0',\n  'position': [0, 0, 0]}]"),
      ":3:3: found the key 'position', expected one of children, controller, model, name, pose, properties, ros_domain, "

@@ -93,7 +93,8 @@ TEST(Visits, PeopleComeGoToTheirGoalsAndLeave) {
 }
 
 TEST(Visits, ComeByATimeTableAndAreRefusedWithoutAFreeBody) {
-  Simulation run = LoadCorridor(R"("people": [{"count": 3, "region": [0.4, -1.5, 1.6, 1.5], "goals": [[8, 0]], "wait": 1000,
+  Simulation run =
+      LoadCorridor(R"("people": [{"count": 3, "region": [0.4, -1.5, 1.6, 1.5], "goals": [[8, 0]], "wait": 1000,
       "visits": {"exits": [[19, 0]], "per_hour": [[0, 0], [20, 3600], [40, 0]], "arrive": "evenly"}}])");
   run.Step(195);
   EXPECT_EQ(run.state().visitor_flows[0].came, 0U);
@@ -103,7 +104,8 @@ TEST(Visits, ComeByATimeTableAndAreRefusedWithoutAFreeBody) {
 }
 
 TEST(Visits, GroupsComeTogetherAndLeave) {
-  Simulation run = LoadCorridor(R"("people": [{"count": 12, "region": [0.4, -1.5, 1.9, 1.5], "group": 3, "goals": [[8, 0]], "wait": 1,
+  Simulation run = LoadCorridor(
+      R"("people": [{"count": 12, "region": [0.4, -1.5, 1.9, 1.5], "group": 3, "goals": [[8, 0]], "wait": 1,
       "visits": {"exits": [[19, 0]], "per_hour": 360, "arrive": "evenly"}}])");
   run.Step(102);
   EXPECT_EQ(run.state().visitor_flows[0].came, 3U);
@@ -234,8 +236,8 @@ TEST(RecordedPeople, StopAtABodyInTheirWay) {
 TEST(RecordedPeople, ReactOnTheirWayIfTheyAreTo) {
   const TemporaryFolder folder;
   folder.Write("tracks.txt", "0 1 0 0\n200 1 9.6 0\n0 2 9.6 0.1\n200 2 0 0.1\n");
-  Simulation run = ValueOf(
-      Simulation::LoadScenario(R"({"recorded_people": [{"file": "tracks.txt", "react": true}]})", folder.Path("s.json")));
+  Simulation run = ValueOf(Simulation::LoadScenario(R"({"recorded_people": [{"file": "tracks.txt", "react": true}]})",
+                                                    folder.Path("s.json")));
   double least = 10.0;
   for (int i = 0; i < 150; ++i) {
     run.Step();
@@ -259,20 +261,24 @@ TEST(RecordedPeople, TheFormsOfDataSets) {
             "t.txt:1:1: error: found 3 fields, expected frame, person, x and y, or the 8 fields of an obsmat.txt");
   EXPECT_EQ(error("0 1 2 3\n1 1 nan 3\n"), "t.txt:2:5: error: found 'nan', expected a coordinate in m, within 1e6");
   EXPECT_EQ(error("0,1.5,2,3\n"), "t.txt:1:3: error: found '1.5', expected a whole number of a person");
-  EXPECT_EQ(error("0 1 2 3\n0 1 2 3\n"),
-            "t.txt:2:1: error: found person 1 in one frame a second time, expected one position of it (the first one is "
-            "in line 1)");
-  EXPECT_EQ(error("0 1 2 3\n0 2 2 3\n"), "t.txt:1:1: error: found no person with two positions, expected ways of people");
+  EXPECT_EQ(
+      error("0 1 2 3\n0 1 2 3\n"),
+      "t.txt:2:1: error: found person 1 in one frame a second time, expected one position of it (the first one is "
+      "in line 1)");
+  EXPECT_EQ(error("0 1 2 3\n0 2 2 3\n"),
+            "t.txt:1:1: error: found no person with two positions, expected ways of people");
 }
 
 TEST(VisitorsScenario, ErrorsSayWhatIsWrong) {
   const std::string rule = R"("people": [{"count": 1, "region": [0, 0, 1, 1], "visits": )";
-  EXPECT_THAT(ErrorOfCorridor(rule + R"({"per_hour": 1, "exits": []}}])"), testing::HasSubstr("found no exit, expected places"));
+  EXPECT_THAT(ErrorOfCorridor(rule + R"({"per_hour": 1, "exits": []}}])"),
+              testing::HasSubstr("found no exit, expected places"));
   EXPECT_THAT(ErrorOfCorridor(rule + R"({"per_hour": [[5, 1]], "exits": [[1, 1]]}}])"),
               testing::HasSubstr("found a time table that begins later, expected the first time to be 0"));
   EXPECT_THAT(ErrorOfCorridor(rule + R"({"per_hour": [[0, 1], [0, 2]], "exits": [[1, 1]]}}])"),
               testing::HasSubstr("found a time that is not after the one before it"));
-  EXPECT_THAT(ErrorOfCorridor(rule + R"({"per_hour": 1, "exits": ["nowhere"]}}])"), testing::HasSubstr("found no place 'nowhere'"));
+  EXPECT_THAT(ErrorOfCorridor(rule + R"({"per_hour": 1, "exits": ["nowhere"]}}])"),
+              testing::HasSubstr("found no place 'nowhere'"));
   EXPECT_THAT(ErrorOfCorridor(R"("zones": [{"name": "z", "kind": "evacuation", "region": [0, 0, 1, 1]}])"),
               testing::HasSubstr("found an evacuation zone without an exit"));
   EXPECT_THAT(ErrorOfCorridor(R"("recorded_people": [{"file": "none.txt"}])"), testing::HasSubstr("none.txt"));

@@ -26,8 +26,7 @@ std::uint32_t TicksOf(const WorldDescription& world, double seconds) {
 void ChooseFirstGoal(const WorldDescription& world, PersonId id, PersonState& person) {
   person.goals = world.person(id).goals;
   const std::size_t points = std::max<std::size_t>(world.goal_sets[person.goals].points.size(), 1);
-  person.goal =
-      static_cast<std::uint32_t>(Draw(world, id, person.goals_chosen, 1) * static_cast<double>(points));
+  person.goal = static_cast<std::uint32_t>(Draw(world, id, person.goals_chosen, 1) * static_cast<double>(points));
   ++person.goals_chosen;
   person.dwell_ticks = 0;
 }

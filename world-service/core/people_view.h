@@ -6,7 +6,8 @@
 // side: discs by number, people first, so that disc i is person i for i < count().
 //
 // Discs are sorted into two grids, walkers and objects, because people avoid the former as discs and the latter by
-// their sides. People that are removed or away and bodies without pieces have no heights or no disc: no person sees them.
+// their sides. People that are removed or away and bodies without pieces have no heights or no disc: no person sees
+// them.
 #pragma once
 
 #include <cstddef>

@@ -141,7 +141,8 @@ class Admission {
     };
     const Rectangle box = Rectangle::Around(at, radius);
     workspace_.scene.static_index().Query(box, near_);
-    if (std::any_of(near_.begin(), near_.end(), [&](const ConvexPiece* piece) { return is_near(*piece); })) return false;
+    if (std::any_of(near_.begin(), near_.end(), [&](const ConvexPiece* piece) { return is_near(*piece); }))
+      return false;
     near_bodies_.clear();
     workspace_.bodies.Query(box, near_bodies_);
     return std::none_of(near_bodies_.begin(), near_bodies_.end(), [&](BodyId body) {
@@ -183,9 +184,8 @@ void FollowTrack(const WorldDescription& world, const VisitorDescription& visito
 
 void LeaveWorld(const WorldDescription& world, PersonId id, PersonState& person) {
   const PersonDescription& description = world.person(id);
-  person = {.X_WP = world.model(description.root).X_PM,
-            .goals = description.goals,
-            .goals_chosen = person.goals_chosen};
+  person = {
+      .X_WP = world.model(description.root).X_PM, .goals = description.goals, .goals_chosen = person.goals_chosen};
   person.X_WP.z = kAwayZ;
 }
 

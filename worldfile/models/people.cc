@@ -25,12 +25,12 @@ namespace {
 // Separates the starts of people from other uses of the same seed.
 constexpr std::uint64_t kStartStream = 0x7374'6172'7473;
 constexpr std::uint64_t kMaxDraws = 5000;
-constexpr double kGap = 0.02;       // m between people, and to walls, at the start
+constexpr double kGap = 0.02;  // m between people, and to walls, at the start
 // Of recorded people.
 constexpr double kLeastSpeed = 0.1;    // m/s
 constexpr double kCatchUp = 1.5;       // times the highest recorded speed
 constexpr double kLeastCatchUp = 2.0;  // m/s
-constexpr double kTogether = 1.25;  // m: people of a group start at most so far beside each other
+constexpr double kTogether = 1.25;     // m: people of a group start at most so far beside each other
 
 constexpr std::array kShirts{Color{0.75, 0.22, 0.17, 1.0}, Color{0.16, 0.50, 0.73, 1.0}, Color{0.15, 0.60, 0.38, 1.0},
                              Color{0.56, 0.27, 0.68, 1.0}, Color{0.90, 0.49, 0.13, 1.0}, Color{0.20, 0.29, 0.37, 1.0},
@@ -183,7 +183,8 @@ class Crowd {
     }
     return std::none_of(starts_.begin(), starts_.end(), [&](const Start& other) {
       // Visitors of one flow enter one after another.
-      return !(rule.flow && other.flow == rule.flow) && other.z.Overlaps(z) && (other.at - at).norm() < other.radius + reach;
+      return !(rule.flow && other.flow == rule.flow) && other.z.Overlaps(z) &&
+             (other.at - at).norm() < other.radius + reach;
     });
   }
 

@@ -82,9 +82,10 @@ Result<PeopleEntry::Visits> ReadVisits(const JsonTree& tree, const JsonNode& obj
     const double time = pair.items[0].number;
     const double per_hour = pair.items[1].number;
     if (visits.flow.times.empty() ? time != 0.0 : time <= visits.flow.times.back()) {
-      return tree.ErrorAt(pair.items[0], visits.flow.times.empty()
-                                             ? "found a time table that begins later, expected the first time to be 0"
-                                             : "found a time that is not after the one before it, expected a later one");
+      return tree.ErrorAt(pair.items[0],
+                          visits.flow.times.empty()
+                              ? "found a time table that begins later, expected the first time to be 0"
+                              : "found a time that is not after the one before it, expected a later one");
     }
     if (per_hour > kMaxVisitorsPerHour) {
       return tree.ErrorAt(pair.items[1], "found more than 36000 an hour, expected at most these");
@@ -228,8 +229,7 @@ std::vector<RecordedEntry> ReadRecordedEntries(const JsonTree& tree, const JsonN
     object.Read("rate", entry.rate);
     object.Read("start", entry.start);
     if (const JsonNode* const pose = object.Find("pose")) {
-      entry.pose = {pose->items[0].number, pose->items[1].number, 0.0,
-                    WrapAngle(pose->items[2].number * kPi / 180.0)};
+      entry.pose = {pose->items[0].number, pose->items[1].number, 0.0, WrapAngle(pose->items[2].number * kPi / 180.0)};
     }
     entry.people.where = tree.Where(object);
     object.Read("z", entry.people.z);
@@ -247,7 +247,8 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleEntry>
   std::vector<PeopleRule> rules;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const bool visit = entries[i].visits.has_value();
-    const Result<std::uint32_t> goals = visit ? AddVisits(loaded.world, entries[i], i) : AddGoals(loaded.world, entries[i], i);
+    const Result<std::uint32_t> goals =
+        visit ? AddVisits(loaded.world, entries[i], i) : AddGoals(loaded.world, entries[i], i);
     if (!goals.ok()) return goals.error();
     rules.push_back(entries[i].rule);
     if (visit) rules.back().flow = static_cast<std::uint32_t>(loaded.world.visitor_flows.size() - 1);

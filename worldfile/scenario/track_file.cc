@@ -60,11 +60,10 @@ Result<std::vector<TrackRow>> ReadRows(const std::string& text, const std::strin
     if (words.empty()) continue;
     if (fields == 0) fields = words.size();
     if (words.size() != fields || (fields != kPlainFields && fields != kObsmatFields)) {
-      return Error{words.front().where,
-                   fmt::format("found {}, expected {}", CountText(words.size(), "field"),
-                               fields == kObsmatFields && words.size() != fields
-                                   ? "8 as in the first row"
-                                   : "frame, person, x and y, or the 8 fields of an obsmat.txt")};
+      return Error{words.front().where, fmt::format("found {}, expected {}", CountText(words.size(), "field"),
+                                                    fields == kObsmatFields && words.size() != fields
+                                                        ? "8 as in the first row"
+                                                        : "frame, person, x and y, or the 8 fields of an obsmat.txt")};
     }
     Result<TrackRow> row = ReadRow(words);
     if (!row.ok()) return row.error();

@@ -18,7 +18,7 @@ namespace troupe {
 // A zone whose outline is known, or those of a mask.
 struct ZoneEntry {
   ZoneDescription zone;
-  SourceLocation where;  // of its name
+  SourceLocation where;                  // of its name
   std::vector<PeopleEntry::Goal> exits;  // of an evacuation zone
   std::optional<std::string> mask;
   SourceLocation mask_where;

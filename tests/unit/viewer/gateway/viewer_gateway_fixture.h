@@ -137,8 +137,8 @@ struct ParsedUpdate {
     for (int kind = 0; kind < 5; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
     std::vector<CameraState> cameras;
     reader.ReadRows(cameras);
-    // Doors, lifts, people, zones, their coverage, flows of goods; and events.
-    for (int kind = 0; kind < 7; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
+    // Doors, lifts, people, zones, their coverage, flows of goods, visitors and their flows; and events.
+    for (int kind = 0; kind < 9; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
     goals.resize(reader.ReadCount());
     for (ParsedGoal& goal : goals) {
       goal.robot = reader.ReadCount();
