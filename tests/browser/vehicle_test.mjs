@@ -77,7 +77,7 @@ async function showsVehicles() {
   await row(page, 'errors', /^pathBlocked: pallet_1 is in the way \(nodeId b, obstacle pallet_1, edgeId e0\)$/);
   await event(page, 'cart_1: error pathBlocked: pallet_1 is in the way');
   await page.click('#tab-events');
-  assert.ok(await page.isVisible('.event.warning'));
+  await page.waitForSelector('.event.warning');
   assert.match(await page.textContent('#event-list ~ *, #page-events'), /Orders \d/);
   await page.click('#tab-state');
   assert.equal((await request(page, 'set_pose', {name: 'pallet_1', pose: [5, -3, 0, 0]})).problem, '');

@@ -40,7 +40,7 @@ TEST(BuildingText, GivesTheWorldsOfOurBuildings) {
     ExpectSame(ValueOf(LoadWorld(written)).world, original.world);
     ++count;
   }
-  EXPECT_EQ(count, 8);
+  EXPECT_EQ(count, 9);
 }
 
 // Texts that have a meaning in YAML, numbers of many digits, and parts that no building of ours has.

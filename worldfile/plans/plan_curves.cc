@@ -40,7 +40,7 @@ bool PlanBuilder::AddLine(const std::string& layer, const PlanTransform& to_plan
 bool PlanBuilder::AddArc(const std::string& layer, const PlanTransform& to_plan, const Vec2& center, const Vec2& radii,
                          double turn, double from, double sweep) {
   const PlanTransform to_page = to_plan * PlanTransform::Shift(center.x(), center.y()) * PlanTransform::Turn(turn);
-  const double stretch = std::max(std::hypot(to_plan.a, to_plan.b), std::hypot(to_plan.c, to_plan.d));
+  const double stretch = std::max(Vec2(to_plan.a, to_plan.b).norm(), Vec2(to_plan.c, to_plan.d).norm());
   const double radius = stretch * std::max(std::fabs(radii.x()), std::fabs(radii.y()));
   if (!(radius <= kMaxMagnitude)) {
     has_bad_number_ = true;

@@ -18,7 +18,8 @@ export const KINDS: EventKind[] = [
   {name: 'Objects', color: '--holding', types: [EventType.Gripped, EventType.Released, EventType.Landed, EventType.Unstable]},
   {name: 'Doors', color: '--rays', types: [EventType.DoorOpened, EventType.DoorClosed, EventType.DoorBlocked]},
   {name: 'Lifts', color: '--lifts', types: [EventType.LiftLeft, EventType.LiftArrived, EventType.LiftBlocked, EventType.LiftOverloaded]},
-  {name: 'People', color: '--people', types: [EventType.PersonBoarded, EventType.PersonAlighted, EventType.PersonArrived]},
+  {name: 'People', color: '--people', types: [
+    EventType.PersonBoarded, EventType.PersonAlighted, EventType.PersonArrived, EventType.PersonEntered, EventType.PersonLeft]},
   {
     name: 'Traffic', color: '--traffic',
     types: [EventType.WaitBegan, EventType.WaitEnded, EventType.DeadlockBroken, EventType.Replanned, EventType.NoWay],

@@ -40,6 +40,8 @@ export function eventText({type, robot, other, object, detail, ofVehicle}: RunEv
     case EventType.Delivered: return `${robot} has delivered goods of ${detail}`;
     case EventType.PersonBoarded: return `${object} gets on ${other} at ${detail}`;
     case EventType.PersonAlighted: return `${object} gets off ${other} at ${detail}`;
+    case EventType.PersonEntered: return `${object} has entered`;
+    case EventType.PersonLeft: return `${object} has left`;
     case EventType.PersonArrived: return `${object} has reached ${detail}`;
     case EventType.WaitBegan: return `${robot} has waited for 10 s${other ? ` for ${other}` : ''}${detail ? ` (${detail})` : ''}`;
     case EventType.WaitEnded: return `${robot} goes on ${detail}`;
