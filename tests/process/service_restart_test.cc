@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "tests/process/programs.h"
@@ -78,6 +79,26 @@ TEST_F(ServiceRestartTest, ARunThatPlaysHasTheSameFiles) {
   const double expected = summary["sim_seconds"].get<double>() / 10.0;
   EXPECT_GE(summary["wall_seconds"].get<double>(), 0.9 * expected);
   EXPECT_LE(summary["real_time_factor"].get<double>(), 11.2);
+}
+
+// Most of them before the run begins: its agents then follow a service that they have never known.
+TEST_F(ServiceRestartTest, OneThatDiesAgainAndAgainWhileItStartsHasASuccessor) {
+  std::vector<std::string> arguments = Arguments("run-");
+  for (const char* const more : {"--session", session_.c_str(), "--lease", "1"}) arguments.emplace_back(more);
+  Program run = RunPen(arguments);
+  std::set<pid_t> killed;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(Eventually([&] {
+      for (const pid_t child : ChildrenOf(run.pid())) {
+        const bool is_service = CommandLineOf(child).find("world-service") != std::string::npos;
+        if (!is_service || !killed.insert(child).second) continue;
+        return kill(child, SIGKILL) == 0;
+      }
+      return false;
+    })) << run.output();
+  }
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  ExpectFilesOfAnUndisturbedRun();
 }
 
 TEST_F(ServiceRestartTest, TheSummaryCountsTheRobotsThatStoodStillBefore) {
