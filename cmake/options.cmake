@@ -34,6 +34,12 @@ if(TROUPE_SANITIZER)
     target_compile_options(troupe_options INTERFACE -fno-sanitize=null,object-size,alignment,vptr)
   endif()
   target_link_options(troupe_options INTERFACE -fsanitize=${TROUPE_SANITIZER})
+  if(TROUPE_SANITIZER STREQUAL thread)
+    # Linked as C, so that the sanitizer's operators new and delete, which are not weak, stay out: programs with shared
+    # memory have their own (transport/shared_memory/shared_arena.cc). It sees malloc and free.
+    target_link_options(troupe_options INTERFACE --driver-mode=gcc)
+    target_link_libraries(troupe_options INTERFACE stdc++ m)
+  endif()
   target_compile_definitions(troupe_options INTERFACE TROUPE_SANITIZED)  # each compiler has a macro of its own
 endif()
 

@@ -71,7 +71,9 @@ py::dict Worlds::Receptions(const py::object& sensor) {
   columns["to_all"] = column(false, [](const Row& row) { return row.reception.to_all; });
   columns["rssi"] = column(kNone, [](const Row& row) { return row.reception.rssi; });
   const auto place = [&](auto part) {
-    return column(kNone, [part](const Row& row) { return row.reception.place ? *row.reception.place.*part : kNone; });
+    return column(kNone, [part, none = kNone](const Row& row) {
+      return row.reception.place ? *row.reception.place.*part : none;
+    });
   };
   columns["range"] = place(&RadioReception::Place::range);
   columns["bearing"] = place(&RadioReception::Place::bearing);

@@ -169,7 +169,7 @@ class Worlds {
     const std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(robots()),
                                             static_cast<py::ssize_t>(rays), 3};
     const std::vector<py::ssize_t> flat = {shape[0], shape[1], shape[2] * 3};
-    const py::array array = out.is_none() ? py::array(py::array_t<double>(shape)) : OutputArray(out, shape, "out");
+    py::array array = out.is_none() ? py::array(py::array_t<double>(shape)) : OutputArray(out, shape, "out");
     // The same memory, with points one after another.
     FillRows(array.attr("reshape")(flat), rays * 3, "out",
              [&, found = sensors, count = rays](World& world, auto* row) { world.CopyPoints(found, count, row); });

@@ -30,7 +30,8 @@ class AgentSegment {
   AgentSegment(const AgentSegment&) = delete;
   AgentSegment& operator=(const AgentSegment&) = delete;
 
-  // Until something is published after the last call. False: closed.
+  // Until something is published after the last call. False: closed. News that were read at the moment of their
+  // publication end the next wait, too: Read then finds nothing.
   bool Wait();
 
   enum class Outcome : std::uint8_t { kNothing, kNews, kEnded };

@@ -413,7 +413,10 @@ TEST(SegmentTest, StoppedAgentReadsOneFrameToItsEndAndThenTheNewest) {
     const auto own = OpenFor(*service);
     const FrameInPlace* frame = nullptr;
     while (own->Wait()) {
-      if (own->Read(frame) != AgentSegment::Outcome::kNews) _exit(1);
+      const AgentSegment::Outcome outcome = own->Read(frame);
+      // A frame that was read as soon as it was there wakes the next wait, too.
+      if (outcome == AgentSegment::Outcome::kNothing) continue;
+      if (outcome != AgentSegment::Outcome::kNews) _exit(1);
       const WorldState& state = frame->message.state;
       for (const RobotState& robot : state.robots) {
         if (robot.X_WR.x != static_cast<double>(state.tick)) _exit(2);
