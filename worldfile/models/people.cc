@@ -77,14 +77,16 @@ class Crowd {
     rule.person.reaction = recording.reaction;
     rule.name_prefix = recording.name_prefix;
     const Look look = LookOf(rule);
-    if (!recording.react) rule.person.goals = AddGoals({.name = recording.name_prefix});
+    if (!recording.react) rule.person.goals = AddGoals(recording.name_prefix);
     for (std::size_t i = 0; i < recording.people.size(); ++i) {
       const RecordedPerson& recorded = recording.people[i];
       const Vec2& from = recorded.positions.front();
       const Vec2& to = recorded.positions.back();
       SetSpeeds(recorded, rule);
       if (recording.react) {
-        rule.person.goals = AddGoals({.name = recording.name_prefix, .points = {to}, .heights = {recording.z}});
+        rule.person.goals = AddGoals(recording.name_prefix);
+        world_.goal_sets.back().points = {to};
+        world_.goal_sets.back().heights = {recording.z};
         world_.exits.push_back(rule.person.goals);
       }
       const Vec2 ahead = to - from;
@@ -116,8 +118,9 @@ class Crowd {
     return RandomUniform({seed_, kStartStream, rule, person, draw, component});
   }
 
-  std::uint32_t AddGoals(GoalSet set) {
-    world_.goal_sets.push_back(std::move(set));
+  // A set without points, where people stay.
+  std::uint32_t AddGoals(const std::string& name) {
+    world_.goal_sets.emplace_back().name = name;
     return static_cast<std::uint32_t>(world_.goal_sets.size() - 1);
   }
 
