@@ -90,7 +90,7 @@ Result<PlacedMemory> PlacedMemory::Create(const char* name) {
   const std::lock_guard lock(attached_mutex);
   Error error;
   for (int i = 0; i < kAttempts; ++i) {
-    auto* const begin = reinterpret_cast<std::byte*>(kFirstPlace + MakeRandomId() % kPlaces * kPlaceBytes);
+    auto* const begin = std::bit_cast<std::byte*>(kFirstPlace + MakeRandomId() % kPlaces * kPlaceBytes);
     auto made = SharedMemory::Create(name, kPlaceBytes, SharedMemory::Peers::kMayRead, begin);
     if (!made.ok()) {
       error = made.error();
@@ -123,7 +123,7 @@ Result<std::shared_ptr<const MappedMemory>> Attach(const SharedMemory& memory, s
     const bool is_same = known->second.device == status.st_dev && known->second.inode == status.st_ino;
     if (mapped != nullptr && is_same && known->second.bytes >= bytes) return mapped;
   }
-  auto mapped = memory.MapAt(reinterpret_cast<std::byte*>(place), bytes, attachment == Attachment::kCopyOnWrite);
+  auto mapped = memory.MapAt(std::bit_cast<std::byte*>(place), bytes, attachment == Attachment::kCopyOnWrite);
   if (!mapped.ok()) return mapped.error();
   auto shared = std::make_shared<const MappedMemory>(std::move(mapped).value());
   attached[place] = {status.st_dev, status.st_ino, bytes, shared};
@@ -157,10 +157,10 @@ void* SharedArena::Allocate(std::size_t bytes, std::size_t alignment) {
   }
   auto block = reinterpret_cast<std::uintptr_t>(memory) + sizeof(BlockHeader);
   if (padding != 0) block = (block + alignment - 1) / alignment * alignment;
-  auto* const header = reinterpret_cast<BlockHeader*>(block) - 1;
+  auto* const header = std::bit_cast<BlockHeader*>(block) - 1;
   header->size_class = static_cast<std::uint32_t>(size_class);
   header->offset = static_cast<std::uint32_t>(block - reinterpret_cast<std::uintptr_t>(memory));
-  return reinterpret_cast<void*>(block);
+  return std::bit_cast<void*>(block);
 }
 
 void SharedArena::Free(void* pointer) noexcept {

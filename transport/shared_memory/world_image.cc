@@ -1,6 +1,7 @@
 #include "transport/shared_memory/world_image.h"
 
 #include <algorithm>
+#include <bit>
 #include <new>
 #include <utility>
 #include <variant>
@@ -86,7 +87,7 @@ Result<PreparedWorld> AttachWorld(pid_t owner, const WorldImagePlace& place) {
   if (!memory.ok()) return memory.error();
   auto mapped = Attach(memory.value(), place.place, place.bytes, Attachment::kCopyOnWrite);
   if (!mapped.ok()) return mapped.error();
-  auto* const root = reinterpret_cast<const Root*>(place.root);
+  auto* const root = std::bit_cast<const Root*>(place.root);
   return PreparedWorld{std::shared_ptr<const Scene>(std::move(mapped).value(), &root->scene), root->hash};
 }
 

@@ -359,7 +359,7 @@ Result<std::string> ValueInSteps(const JsonPath& path, std::size_t first, const 
     }
     if (std::get<std::size_t>(path[i - 1]) != 0) return Error{{}, "found no list of that length"};
     const bool is_entry = i == 2 && whole.starts_with('{');
-    whole = is_entry ? "[\n    " + whole + "\n  ]" : "[" + whole + "]";
+    whole.insert(0, is_entry ? "[\n    " : "[").append(is_entry ? "\n  ]" : "]");
   }
   return whole;
 }

@@ -195,7 +195,7 @@ class DxfReader {
         if (pair.code == 2) {
           // A block that is defined twice has the entities of the last definition.
           DxfBlock& named = blocks_[std::string(pair.value)];
-          named = {.base = block->base};
+          named = {block->base, {}};
           block = &named;
         } else if (pair.code == 10 || pair.code == 20) {
           (pair.code == 10 ? block->base.x() : block->base.y()) = NumberOf(pair);
@@ -337,8 +337,8 @@ class DxfReader {
     if (columns * rows > kMaxCopies)
       return Fail(entity.line, "found more than 10000 copies of a block, expected fewer");
     drawn_ += static_cast<std::size_t>(columns * rows);
-    for (double row = 0.0; row < rows; row += 1.0) {
-      for (double column = 0.0; column < columns; column += 1.0) {
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
         const PlanTransform shift =
             PlanTransform::Shift(column * Number(entity, 44, 0.0), row * Number(entity, 45, 0.0));
         const PlanTransform to_plan = outer * PlanTransform::Shift(place.x(), place.y()) * turn * shift * own;

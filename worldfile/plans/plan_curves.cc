@@ -53,8 +53,8 @@ bool PlanBuilder::AddArc(const std::string& layer, const PlanTransform& to_plan,
     const SinCosResult at = SinCos(from + sweep * part / parts);
     return Vec2(radii.x() * at.cos, radii.y() * at.sin);
   };
-  for (double part = 0.0; part < parts; part += 1.0) {
-    if (!AddLine(layer, to_page, point(part), point(part + 1.0))) return false;
+  for (int part = 0; part < parts; ++part) {
+    if (!AddLine(layer, to_page, point(part), point(part + 1))) return false;
   }
   return true;
 }
@@ -74,8 +74,8 @@ bool PlanBuilder::AddCurve(const std::string& layer, const PlanTransform& to_pla
     const double s = 1.0 - t;
     return s * s * s * p[0] + 3.0 * s * s * t * p[1] + 3.0 * s * t * t * p[2] + t * t * t * p[3];
   };
-  for (double part = 0.0; part < parts; part += 1.0) {
-    if (!AddLine(layer, PlanTransform(), point(part), point(part + 1.0))) return false;
+  for (int part = 0; part < parts; ++part) {
+    if (!AddLine(layer, PlanTransform(), point(part), point(part + 1))) return false;
   }
   return true;
 }
