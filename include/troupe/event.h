@@ -69,7 +69,7 @@ constexpr auto NamesOf(EventType) {
       "reported",      "door_opened",     "door_closed",     "door_blocked",   "lift_left",         "lift_arrived",
       "lift_blocked",  "person_boarded",  "person_alighted", "person_arrived", "lift_overloaded",   "lane_switched",
       "zone_switched", "goods_arrived",   "goods_refused",   "goods_loaded",   "delivered",         "wait_began",
-      "wait_ended",    "deadlock_broken", "replanned",       "no_way",          "person_entered",  "person_left"};
+      "wait_ended",    "deadlock_broken", "replanned",       "no_way",         "person_entered",    "person_left"};
 }
 
 struct Event {

@@ -146,11 +146,11 @@ struct LaneTrip {
 };
 
 enum class ZoneKind : std::uint8_t {
-  kKeepout = 0,   // robots do not drive into it
-  kSpeed = 1,     // they drive more slowly in it
-  kCleaning = 2,  // its cells count as covered once a robot has been on them
-  kOneWay = 3,    // they drive through it within 90 degrees of its heading; lanes are so from the load on, always
-  kRelease = 4,   // they stop before it until it is switched off
+  kKeepout = 0,     // robots do not drive into it
+  kSpeed = 1,       // they drive more slowly in it
+  kCleaning = 2,    // its cells count as covered once a robot has been on them
+  kOneWay = 3,      // they drive through it within 90 degrees of its heading; lanes are so from the load on, always
+  kRelease = 4,     // they stop before it until it is switched off
   kEvacuation = 5,  // people in it walk to the nearest of its exits, and leave the world there
 };
 constexpr auto NamesOf(ZoneKind) {
