@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/point_distance.h"
+
 namespace troupe {
 
 std::string LevelAt(std::span<const LevelDescription> levels, double z) {
@@ -55,11 +57,7 @@ std::size_t CountBefore(std::span<const LaneGraph> graphs, std::optional<std::ui
 }  // namespace
 
 double LaneGraph::DistanceTo(const Lane& lane, const Vec2& point) const {
-  const Vec2 way = Way(lane.start, lane.end);
-  const Vec2 offset = point - vertices[lane.start].position;
-  const double squared = way.squaredNorm();
-  const double along = squared > 0.0 ? std::clamp(offset.dot(way) / squared, 0.0, 1.0) : 0.0;
-  return (offset - along * way).norm();
+  return DistanceToSegment(point, vertices[lane.start].position, vertices[lane.end].position);
 }
 
 std::size_t CountVertices(std::span<const LaneGraph> graphs) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <optional>
@@ -212,12 +213,16 @@ Status CheckPerson(const WorldDescription& world, std::size_t index) {
   return world.person(*person.leader).leader ? BadInput("its leader follows another person") : Status();
 }
 
+// Each value is above the one before.
+template <typename Value>
+bool Ascend(const std::vector<Value>& values) {
+  return std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end();
+}
+
 Status CheckVisitorFlow(const VisitorFlow& flow) {
   if (flow.times.empty() || flow.times.front() != 0.0) return BadInput("its time table does not begin at 0");
   if (flow.per_hour.size() != flow.times.size()) return BadInput("it has rates of some of its times only");
-  if (!std::is_sorted(flow.times.begin(), flow.times.end(), std::less_equal<>())) {
-    return BadInput("the times of its table do not ascend");
-  }
+  if (!Ascend(flow.times)) return BadInput("the times of its table do not ascend");
   const bool is_within = std::all_of(flow.per_hour.begin(), flow.per_hour.end(),
                                      [](double rate) { return rate >= 0.0 && rate <= kMaxVisitorsPerHour; });
   return is_within ? Status() : BadInput("one of its rates is beyond the bounds");
@@ -230,16 +235,13 @@ Status CheckVisitor(const WorldDescription& world, std::size_t index) {
   }
   if (visitor.flow && *visitor.flow >= world.visitor_flows.size()) return BadInput("its flow does not exist");
   if (visitor.track.size() != visitor.track_times.size()) return BadInput("it has times of some of its positions only");
-  if (!std::is_sorted(visitor.track_times.begin(), visitor.track_times.end(), std::less_equal<>())) {
-    return BadInput("the times of its positions do not ascend");
-  }
-  return Status();
+  return Ascend(visitor.track_times) ? Status() : BadInput("the times of its positions do not ascend");
 }
 
 Status CheckExits(const WorldDescription& world) {
-  for (std::size_t i = 0; i < world.exits.size(); ++i) {
-    if (world.exits[i] >= world.goal_sets.size()) return BadInput("found an exit that is no goal set");
-    if (i > 0 && world.exits[i - 1] >= world.exits[i]) return BadInput("found exits that do not ascend");
+  if (!Ascend(world.exits)) return BadInput("found exits that do not ascend");
+  if (!world.exits.empty() && world.exits.back() >= world.goal_sets.size()) {
+    return BadInput("found an exit that is no goal set");
   }
   for (const ZoneDescription& zone : world.zones) {
     const bool needs_exits = zone.kind == ZoneKind::kEvacuation;

@@ -4,27 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/point_distance.h"
 #include "common/model/zones.h"
 #include "troupe/polygon.h"
 
 namespace troupe {
 namespace {
 
-double DistanceToSegment(const Vec2& a, const Vec2& b, const Vec2& p) {
-  const Vec2 way = b - a;
-  const double square = way.squaredNorm();
-  const double at = square > 0.0 ? std::clamp((p - a).dot(way) / square, 0.0, 1.0) : 0.0;
-  return (a + at * way - p).norm();
-}
-
 // m, from the area of a zone; 0 in it.
 double DistanceToZone(const ZoneDescription& zone, const Vec2& p) {
-  if (Contains(zone.outline, p)) return 0.0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < zone.outline.size(); ++i) {
-    least = std::min(least, DistanceToSegment(zone.outline[i], zone.outline[(i + 1) % zone.outline.size()], p));
-  }
-  return least;
+  return Contains(zone.outline, p) ? 0.0 : DistanceToEdges(zone.outline, p);
 }
 
 // Visits the cells whose centres are in a polygon, row by row between its edges.
@@ -63,7 +52,7 @@ void ForEachAtEdge(const WalkGrid& grid, const std::vector<Vec2>& outline, doubl
       const int last = grid.ColumnAt(std::max(a.x(), b.x()) + reach);
       for (int column = grid.ColumnAt(std::min(a.x(), b.x()) - reach); column <= last; ++column) {
         const std::size_t cell = grid.CellAt(column, row);
-        if (DistanceToSegment(a, b, grid.CenterOf(cell)) < reach) visit(cell);
+        if (DistanceToSegment(grid.CenterOf(cell), a, b) < reach) visit(cell);
       }
     }
   }

@@ -14,10 +14,6 @@ constexpr double kPlaceTolerance = 0.15;   // m
 constexpr double kHeightTolerance = 0.05;  // m
 constexpr double kFar = 1000.0;            // m: of a cube or robot that does not exist
 
-double LengthOf(const Vec2& vector) {
-  return std::sqrt(vector.x() * vector.x() + vector.y() * vector.y());
-}
-
 // The number from 0 to `count` - 1 with the least distance; nothing if none counts.
 template <typename DistanceOf>
 std::optional<std::size_t> Nearest(std::size_t count, const DistanceOf& distance_of) {
@@ -67,9 +63,9 @@ void CubeJobs::Score(const WorldState& state, const std::vector<std::optional<st
     };
     const std::optional<std::size_t> place = Nearest(places.size(), [&](std::size_t i) -> std::optional<double> {
       if (is_taken(i) || std::abs(places[i].level * kCubeSide - cube.z) > kHeightTolerance) return std::nullopt;
-      return LengthOf(places[i].at - cube.translation());
+      return (places[i].at - cube.translation()).norm();
     });
-    if (!place || LengthOf(places[*place].at - cube.translation()) >= kPlaceTolerance) continue;
+    if (!place || (places[*place].at - cube.translation()).norm() >= kPlaceTolerance) continue;
     place_of_[*carried_[robot]] = place;
     job.placed = true;
   }
@@ -115,7 +111,7 @@ void CubeJobs::Guide(const WorldState& state, const std::vector<CubePlace>& plac
     } else if (!none_is_left) {
       chosen = Nearest(cubes, [&](std::size_t cube) -> std::optional<double> {
         if (!is_left[cube]) return std::nullopt;
-        return LengthOf(way_to(robot, cube));
+        return way_to(robot, cube).norm();
       });
       job.goal = way_to(robot, *chosen);
       job.way = Atan2(job.goal.y(), job.goal.x());
@@ -129,12 +125,12 @@ void CubeJobs::Guide(const WorldState& state, const std::vector<CubePlace>& plac
     }
     const std::optional<std::size_t> cube = Nearest(cubes, [&](std::size_t i) -> std::optional<double> {
       if (i == chosen) return std::nullopt;
-      return LengthOf(way_to(robot, i));
+      return way_to(robot, i).norm();
     });
     job.cube = cube ? way_to(robot, *cube) : Vec2(kFar, 0.0);
     const std::optional<std::size_t> peer = Nearest(jobs_.size(), [&](std::size_t i) -> std::optional<double> {
       if (i == robot) return std::nullopt;
-      return LengthOf(state.robots[i].X_WR.translation() - X_WR.translation());
+      return (state.robots[i].X_WR.translation() - X_WR.translation()).norm();
     });
     job.peer = peer ? Vec2(state.robots[*peer].X_WR.translation() - X_WR.translation()) : Vec2(kFar, 0.0);
   }

@@ -73,7 +73,7 @@ struct FormulaProgram {
   std::size_t memory = 0;
   std::vector<bool> pairs;                                  // by register
   std::vector<std::pair<std::uint16_t, double>> constants;  // register, number
-  FormulaSection start;  // the memory at the begin of an episode; the register itself: as it is
+  FormulaSection start;  // the memory at the start of an episode; the register itself: as it is
   FormulaSection step;   // reward, whether the robot's task has ended, then the memory
   FormulaSection observe;
   std::size_t width = 0;  // cells of the grid

@@ -56,8 +56,8 @@ class HostConnection final : public RosConnection {
   std::vector<std::string> DrainMismatches() override;
   void Receive() override;
   void Flush() override;
-  // Waits until the program has made all endpoints, and has told which have readers and what was kept for them; for
-  // some seconds at most, or one without a program.
+  // Waits until the program has made all endpoints, and has told which have readers, with the messages kept for them;
+  // for some seconds at most, or one without a program.
   void AwaitSettled();
   // Waits until all that was written has been passed to the program, or for a second: it may be dead.
   void AwaitSent();

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "common/base/glob.h"
+#include "common/geometry/point_distance.h"
 #include "common/model/states.h"
 #include "common/sensing/sensor_suite.h"
 
@@ -115,17 +116,8 @@ double DistanceOf(std::span<const ConvexPiece> pieces, const Vec2& point) {
 
 // Positive inside; m.
 double DepthIn(const Polygon& region, const Vec2& point) {
-  double least = kInfinity;
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    const Vec2& a = region[i];
-    const Vec2 along = region[(i + 1) % region.size()] - a;
-    const Vec2 to = point - a;
-    const double squared = along.x() * along.x() + along.y() * along.y();
-    const double share =
-        squared > 0.0 ? std::clamp((to.x() * along.x() + to.y() * along.y()) / squared, 0.0, 1.0) : 0.0;
-    least = std::min(least, Norm(to.x() - share * along.x(), to.y() - share * along.y()));
-  }
-  return Contains(region, point) ? least : -least;
+  const double distance = DistanceToEdges(region, point);
+  return Contains(region, point) ? distance : -distance;
 }
 
 // By lane: the first one with the same two bodies. A distance is the same from both sides, bit by bit.

@@ -90,7 +90,7 @@ class ServiceSegment {
   bool Read(Slot& slot, std::size_t index, SharedAnswer& answer) const;
   double LongestWait() const;
   void Wake();
-  // Wakes the agents for what is published now.
+  // Wakes the agents for the latest publication.
   void Announce();
   void End();
   // The first buffer that no agent reads, without the newest frame; nothing: agents read them all. REQUIRES: the mutex

@@ -47,7 +47,7 @@ bool IsInPlaces(std::uintptr_t address) {
 // Precedes each block.
 struct BlockHeader {
   std::uint32_t size_class;
-  std::uint32_t offset;  // from the begin of its memory to the block
+  std::uint32_t offset;  // from the start of its memory to the block
   std::uint64_t unused;
 };
 static_assert(sizeof(BlockHeader) == kLeastAlignment && sizeof(BlockHeader) == SharedArena::kFirstObject);

@@ -4,7 +4,7 @@
 //
 // While a SharedArena::Scope exists, whatever its thread allocates by operator new comes from the arena: the operators
 // of a program with this file are replaced. So any value can be made there, without allocators of its own; what it
-// refers to has to be made there, too (WorldImage copies shared parts). An object in an arena is destroyed by nobody:
+// refers to has to be made there, too (WorldImage copies shared parts). An object in an arena is never destroyed:
 // it ends with the memory.
 //
 // Addresses: a range that programs, libraries and heaps do not use is divided into places of kPlaceBytes. The maker
@@ -56,7 +56,7 @@ class SharedArena {
   SharedArena(const SharedArena&) = delete;
   SharedArena& operator=(const SharedArena&) = delete;
 
-  // Bytes from the begin of the part to the first object that is made there.
+  // Bytes from the start of the part to the first object that is made there.
   static constexpr std::size_t kFirstObject = 16;
 
   // Throws std::bad_alloc if the part is full, or the system has no memory.
@@ -80,7 +80,7 @@ class SharedArena {
   static constexpr std::size_t kClasses = 160;  // of sizes: four for each power of two
 
   const PlacedMemory& memory_;
-  const std::size_t limit_;             // bytes from the begin of the memory, as the next two
+  const std::size_t limit_;             // bytes from the start of the memory, as the next two
   std::size_t next_;                    // the first that was never allocated
   std::size_t reserved_;                // up to here there is real memory
   std::array<void*, kClasses> free_{};  // lists of freed blocks, by class; each has the next one in its first bytes

@@ -21,7 +21,7 @@ namespace troupe {
 struct WorldImagePlace {
   std::uint32_t descriptor = 0;
   std::uint64_t place = 0;  // address
-  std::uint64_t bytes = 0;  // from the begin of the memory
+  std::uint64_t bytes = 0;  // from the start of the memory
   std::uint64_t root = 0;   // address
   bool operator==(const WorldImagePlace&) const = default;
   static constexpr auto Fields() {

@@ -9,33 +9,24 @@
 // One thread, after all people have decided. The order of people is a function of the tick (people.cc).
 #pragma once
 
-#include <memory_resource>
-#include <vector>
-
-#include "world-service/core/people_view.h"
+#include "world-service/core/person_room.h"
 
 namespace troupe {
 
 class PeopleMover {
  public:
-  PeopleMover(StepWorkspace& workspace, const PeopleView& view) : workspace_(workspace), view_(view) {}
+  explicit PeopleMover(StepWorkspace& workspace) : workspace_(workspace), room_(workspace) {}
 
   // Executes a plan: takes over its progress through goals and lifts, and moves the person by its velocity as far as
   // there is room. The velocity in the state is the executed one.
   void Move(PersonId id, const PersonState& plan);
 
  private:
-  enum class Room : std::uint8_t { kFree, kTaken, kTight };
-
-  // Whether the person's cylinder is free from `from` to `to`. Tight: others are inside it already, at `from`.
-  Room RoomOn(PersonId id, const Vec2& from, const Vec2& to);
   // True at rest.
   bool IsFree(PersonId id, const Pose& X_WP, const Vec2& velocity) const;
 
   StepWorkspace& workspace_;
-  const PeopleView& view_;
-  NearPieces static_pieces_;  // memory of RoomOn
-  std::pmr::vector<BodyId> bodies_;
+  PersonRoom room_;
 };
 
 }  // namespace troupe

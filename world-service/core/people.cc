@@ -99,7 +99,7 @@ void MovePeople(StepWorkspace& workspace, ThreadPool* pool) {
   AdmitVisitors(workspace);
   const PeopleView view(workspace);
   const std::vector<PersonState> plans = DecideAll(view, pool);
-  PeopleMover mover(workspace, view);
+  PeopleMover mover(workspace);
   for (std::size_t k = 0; k < count; ++k) {
     // No person is always first at a door or in a gap.
     const std::size_t i = (workspace.next.tick + k) % count;

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <memory_resource>
 #include <optional>
-#include <span>
-#include <vector>
+#include <utility>
 
 #include "common/model/zones.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/random.h"
 #include "world-service/core/pedestrian_goals.h"
+#include "world-service/core/person_room.h"
 
 namespace troupe {
 namespace {
@@ -38,7 +37,7 @@ double ComeBy(const VisitorFlow& flow, double seconds) {
 class Admission {
  public:
   explicit Admission(StepWorkspace& workspace)
-      : workspace_(workspace), world_(workspace.world()), state_(workspace.next) {}
+      : workspace_(workspace), world_(workspace.world()), state_(workspace.next), room_(workspace) {}
 
   void Act() {
     for (std::size_t i = 0; i < world_.visitor_flows.size(); ++i) {
@@ -48,12 +47,13 @@ class Admission {
   }
 
  private:
-  double time() const { return static_cast<double>(state_.tick) * workspace_.seconds(); }
+  double TimeOf(Tick tick) const { return static_cast<double>(tick) * workspace_.seconds(); }
+  double time() const { return TimeOf(state_.tick); }
 
   // A group of the flow comes in this tick: at most one.
   bool Comes(std::size_t number) const {
     const VisitorFlow& flow = world_.visitor_flows[number];
-    const double before = time() - workspace_.seconds();
+    const double before = TimeOf(state_.tick - 1);
     if (!flow.is_random) return std::floor(ComeBy(flow, time())) > std::floor(ComeBy(flow, before));
     const double share = RateAt(flow, before) * workspace_.seconds() / 3600.0;  // of a group in a tick
     return RandomUniform({world_.seed, kVisitors, number, state_.tick}) < share;
@@ -113,8 +113,12 @@ class Admission {
       X_WP.x = at.x();
       X_WP.y = at.y();
     }
-    if (IsEvacuated(X_WP) || !HasRoom(visitor.person, X_WP)) return;
-    person.X_WP = X_WP;
+    if (IsEvacuated(X_WP)) return;
+    const Pose away = std::exchange(person.X_WP, X_WP);
+    if (room_.On(visitor.person, X_WP.translation(), X_WP.translation()) != PersonRoom::Found::kFree) {
+      person.X_WP = away;
+      return;
+    }
     ChooseFirstGoal(world_, visitor.person, person);
     state_.visitors[number].is_due = false;
     ++state_.visitors[number].visits;
@@ -129,39 +133,10 @@ class Admission {
     return false;
   }
 
-  // Nothing is within the radius of the person.
-  bool HasRoom(PersonId id, const Pose& X_WP) {
-    const BodyId own = workspace_.scene.body_of(id);
-    const ZRange z = workspace_.scene.body(own).z + X_WP.z;
-    const double radius = world_.person(id).radius;
-    const Vec2 at = X_WP.translation();
-    const auto is_near = [&](const ConvexPiece& piece) {
-      return piece.obstacle && piece.z.Overlaps(z) &&
-             FindNearestPoints(std::span(&at, 1), piece.vertices).distance < radius;
-    };
-    const Rectangle box = Rectangle::Around(at, radius);
-    workspace_.scene.static_index().Query(box, near_);
-    if (std::any_of(near_.begin(), near_.end(), [&](const ConvexPiece* piece) { return is_near(*piece); }))
-      return false;
-    near_bodies_.clear();
-    workspace_.bodies.Query(box, near_bodies_);
-    return std::none_of(near_bodies_.begin(), near_bodies_.end(), [&](BodyId body) {
-      if (body == own) return false;
-      if (const std::optional<PersonId> other = workspace_.scene.person_of(body)) {
-        const Pose& X_WO = state_.people[other->index()].X_WP;
-        return (workspace_.scene.body(body).z + X_WO.z).Overlaps(z) &&
-               (X_WO.translation() - at).norm() < radius + world_.person(*other).radius;
-      }
-      const std::vector<ConvexPiece>& pieces = workspace_.bodies.pieces_in_world(body);
-      return std::any_of(pieces.begin(), pieces.end(), is_near);
-    });
-  }
-
   StepWorkspace& workspace_;
   const WorldDescription& world_;
   WorldState& state_;
-  NearPieces near_;
-  std::pmr::vector<BodyId> near_bodies_;
+  PersonRoom room_;
 };
 
 }  // namespace

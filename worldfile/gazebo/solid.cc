@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/geometry/point_distance.h"
 namespace troupe {
 namespace {
 
@@ -137,25 +138,15 @@ Polygon HullOf(Polygon points) {
   return hull;
 }
 
-double DistanceToSegment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double length = along.squaredNorm();
-  const double t = length > 0.0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0.0;
-  return (p - (a + along * t)).norm();
-}
-
 // m, from a point to a convex polygon, a segment or a point; 0 inside.
 double DistanceTo(const Polygon& polygon, const Vec2& p) {
   if (polygon.empty()) return 0.0;
-  double nearest = std::numeric_limits<double>::infinity();
   bool is_inside = polygon.size() >= 3;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec2& a = polygon[i];
-    const Vec2& b = polygon[(i + 1) % polygon.size()];
-    nearest = std::min(nearest, DistanceToSegment(p, a, b));
-    is_inside = is_inside && Cross(b - a, p - a) >= 0.0;
+    is_inside = is_inside && Cross(polygon[(i + 1) % polygon.size()] - a, p - a) >= 0.0;
   }
-  return is_inside ? 0.0 : nearest;
+  return is_inside ? 0.0 : DistanceToEdges(polygon, p);
 }
 
 Polygon WithoutStraightCorners(Polygon hull) {

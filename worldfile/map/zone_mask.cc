@@ -21,17 +21,22 @@ namespace {
 
 using Corner = std::pair<int, int>;  // column and row of a corner of cells
 
+constexpr int kMaxNumber = 100;
+
+// A number for each cell of a mask, row by row from the bottom.
+struct MaskCells {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> numbers;
+};
+
 // The cells of a mask that have one number, as outlines of their areas.
 class AreaTracer {
  public:
-  explicit AreaTracer(const Bitmap& cells)
-      : width_(cells.width()),
-        height_(cells.height()),
-        part_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), kNone) {
-    for (int y = 0; y < height_; ++y) {
-      for (int x = cells.FirstFrom(0, y, true); x < width_;
-           x = x + 1 < width_ ? cells.FirstFrom(x + 1, y, true) : width_)
-        part_[Index(x, y)] = kUnseen;
+  AreaTracer(const MaskCells& cells, std::uint8_t number)
+      : width_(cells.width), height_(cells.height), part_(cells.numbers.size(), kNone) {
+    for (std::size_t i = 0; i < part_.size(); ++i) {
+      if (cells.numbers[i] == number) part_[i] = kUnseen;
     }
   }
 
@@ -145,52 +150,35 @@ class AreaTracer {
   std::vector<std::vector<Corner>> outlines_;
 };
 
-// The mask, and the pixels of it whose numbers are in a range.
-struct MaskFile {
-  MapYaml map;
-  SourceLocation where;
-
-  Result<Bitmap> CellsOf(int least, int most) const {
+// The image is read once for each binary digit of its numbers: the reader of images gives one bit of each pixel.
+Result<MaskCells> ReadCells(const MapYaml& map) {
+  constexpr int kDigits = 7;  // of numbers up to kMaxNumber
+  MaskCells cells;
+  for (int digit = 0; digit < kDigits; ++digit) {
     PixelRule rule = map.rule;
     for (std::size_t value = 0; value < 256; ++value) {
-      rule.occupied[value] = map.numbers[value] >= least && map.numbers[value] <= most;
+      const std::uint8_t number = map.numbers[value] <= kMaxNumber ? map.numbers[value] : 0;  // 255: unknown
+      rule.occupied[value] = ((number >> digit) & 1) != 0;
     }
-    Result<Bitmap> cells = ReadBitmap(map.image, rule);
-    if (!cells.ok()) return Error{map.image_where, "mask " + QuotedPath(map.image) + ": " + cells.error().message};
-    if (std::int64_t{cells.value().width()} * cells.value().height() > kMaxMaskCells) {
+    const Result<Bitmap> bits = ReadBitmap(map.image, rule);
+    if (!bits.ok()) return Error{map.image_where, "mask " + QuotedPath(map.image) + ": " + bits.error().message};
+    cells.width = bits.value().width();
+    cells.height = bits.value().height();
+    if (std::int64_t{cells.width} * cells.height > kMaxMaskCells) {
       return Error{map.image_where, fmt::format("found a mask of more than {} cells, expected fewer", kMaxMaskCells)};
     }
-    return cells;
+    cells.numbers.resize(static_cast<std::size_t>(cells.width) * static_cast<std::size_t>(cells.height));
+    for (int y = 0; y < cells.height; ++y) {
+      for (int x = cells.width > 0 ? bits.value().FirstFrom(0, y, true) : 0; x < cells.width;
+           x = x + 1 < cells.width ? bits.value().FirstFrom(x + 1, y, true) : cells.width) {
+        std::uint8_t& number = cells.numbers[static_cast<std::size_t>(y) * static_cast<std::size_t>(cells.width) +
+                                             static_cast<std::size_t>(x)];
+        number = static_cast<std::uint8_t>(number | (1U << digit));
+      }
+    }
   }
-
-  // Halves the range until a half has no cells, or one number.
-  Status AddAreas(int least, int most, std::vector<MaskArea>& areas) const {
-    const Result<Bitmap> cells = CellsOf(least, most);
-    if (!cells.ok()) return cells.error();
-    bool is_empty = true;
-    for (int y = 0; y < cells.value().height() && is_empty; ++y) {
-      is_empty = cells.value().width() == 0 || cells.value().FirstFrom(0, y, true) == cells.value().width();
-    }
-    if (is_empty) return Status();
-    if (least < most) {
-      const int middle = (least + most) / 2;
-      if (Status problem = AddAreas(least, middle, areas); !problem.ok()) return problem;
-      return AddAreas(middle + 1, most, areas);
-    }
-    Result<std::vector<std::vector<Corner>>> outlines = AreaTracer(cells.value()).Trace();
-    if (!outlines.ok()) return Error{where, outlines.error().message};
-    const Transform2 X_WM(map.origin);
-    for (const std::vector<Corner>& outline : outlines.value()) {
-      Polygon corners;
-      for (const auto& [x, y] : outline) corners.push_back(X_WM * Vec2(x * map.resolution, y * map.resolution));
-      Result<Polygon> normalized = Normalized(std::move(corners));
-      if (!normalized.ok()) return Error{where, "found an area that is no polygon: " + normalized.error().message};
-      areas.push_back({std::move(normalized).value(), least});
-    }
-    if (areas.size() <= kMaxMaskAreas) return Status();
-    return Error{where, fmt::format("found more than {} areas, expected fewer", kMaxMaskAreas)};
-  }
-};
+  return cells;
+}
 
 // m/s: steps that are exact for limits in cm/s, and for which 100 are enough.
 double StepOf(const WorldDescription& world) {
@@ -210,9 +198,27 @@ Result<std::vector<MaskArea>> ReadZoneMask(const std::string& path, const Source
   const std::optional<std::string> image = allowed.Resolve(map.value().image);
   if (!image) return Error{map.value().image_where, "mask: " + NotAllowed(map.value().image, allowed)};
   map.value().image = *image;
-  const MaskFile mask{std::move(map).value(), where};
+  const Result<MaskCells> cells = ReadCells(map.value());
+  if (!cells.ok()) return cells.error();
+  std::array<bool, kMaxNumber + 1> is_there{};
+  for (const std::uint8_t number : cells.value().numbers) is_there[number] = true;
+  const Transform2 X_WM(map.value().origin);
+  const double resolution = map.value().resolution;
   std::vector<MaskArea> areas;
-  if (Status problem = mask.AddAreas(full ? 100 : 1, 100, areas); !problem.ok()) return problem.error();
+  for (int number = full ? kMaxNumber : 1; number <= kMaxNumber; ++number) {
+    if (!is_there[static_cast<std::size_t>(number)]) continue;
+    auto outlines = AreaTracer(cells.value(), static_cast<std::uint8_t>(number)).Trace();
+    if (!outlines.ok()) return Error{where, outlines.error().message};
+    for (const std::vector<Corner>& outline : outlines.value()) {
+      Polygon corners;
+      for (const auto& [x, y] : outline) corners.push_back(X_WM * Vec2(x * resolution, y * resolution));
+      Result<Polygon> normalized = Normalized(std::move(corners));
+      if (!normalized.ok()) return Error{where, "found an area that is no polygon: " + normalized.error().message};
+      areas.push_back({std::move(normalized).value(), number});
+    }
+    if (areas.size() <= kMaxMaskAreas) continue;
+    return Error{where, fmt::format("found more than {} areas, expected fewer", kMaxMaskAreas)};
+  }
   return areas;
 }
 

@@ -205,7 +205,7 @@ class DxfReader {
       if (section == "HEADER") {
         if (pair.code == 9) variable = pair.value;
         if (pair.code == 70 && variable == "$INSUNITS" && !unit_) {
-          const double unit = UnitOf(static_cast<int>(NumberOf(pair)));
+          const double unit = UnitOf(static_cast<int>(std::clamp(NumberOf(pair), 0.0, 100.0)));
           if (unit > 0.0) unit_ = unit;
         }
         continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/geometry/limits.h"
 #include "worldfile/scenario/track_file.h"
 #include "worldfile/text/text_file.h"
 
@@ -273,6 +274,13 @@ Result<LoadedWorld> AddRecordedPeople(LoadedWorld loaded, const std::vector<Reco
     for (RecordedPerson& person : recording.people) {
       for (double& time : person.times) time += entry.start;
       for (Vec2& position : person.positions) position = to_world * position;
+      const bool is_far = std::any_of(person.positions.begin(), person.positions.end(),
+                                      [](const Vec2& at) { return at.cwiseAbs().maxCoeff() > kMaxMagnitude; });
+      if (is_far || person.times.back() > kMaxMagnitude) {
+        return Error{entry.file_where, "found a recorded position " +
+                                           std::string(is_far ? "beyond 1000 km" : "later than a million seconds") +
+                                           ", expected a 'pose', 'rate' and 'start' that bring all of them nearer"};
+      }
     }
   }
   const std::uint64_t seed = loaded.world.seed;

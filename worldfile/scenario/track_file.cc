@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kPlainFields = 4;   // frame id x y
 constexpr std::size_t kObsmatFields = 8;  // frame id x z y vx vz vy
-constexpr double kMaxCount = 1e12;        // of frames and ids
+constexpr double kMaxCount = 1e9;         // of frames and ids
 
 struct TrackRow {
   std::int64_t person = 0;
@@ -44,8 +44,10 @@ Result<TrackRow> ReadRow(const std::vector<GridWord>& words) {
     }
     numbers[i] = *number;
   }
-  if (numbers[1] != std::floor(numbers[1])) {
-    return Error{words[1].where, fmt::format("found {}, expected a whole number of a person", Quoted(words[1].text))};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (numbers[i] == std::floor(numbers[i])) continue;
+    return Error{words[i].where, fmt::format("found {}, expected a whole number of a {}", Quoted(words[i].text),
+                                             i == 0 ? "frame" : "person")};
   }
   return TrackRow{static_cast<std::int64_t>(numbers[1]), numbers[0], {numbers[2], numbers[3]}, words[0].where};
 }

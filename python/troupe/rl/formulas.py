@@ -39,7 +39,7 @@ class Formulas(NamedTuple):
     observe: Sequence[str] = ()  # after ranges and motion
     reward: str = "0"  # of a step, after it
     ended: str = "0"  # whether the robot's task is done, after a step
-    # What each robot keeps from step to step, with its value at the begin of an episode; None: what `Task.begin` writes into
+    # What each robot keeps from step to step, with its value at the start of an episode; None: what `Task.begin` writes into
     # Situation.memory.
     memory: Mapping[str, Optional[str]] = {}
     after: Mapping[str, str] = {}  # the memory after a step; what is not here stays as it is

@@ -303,7 +303,7 @@ TEST(EditorTest, SeveralEditsAreOneOrNone) {
   EXPECT_EQ(editor->text(), text);
   EXPECT_EQ(Applied(*editor, {{"op", "document"}})["undo"], "");
 
-  // The one that is refused takes the others with it, and what was undone can be redone.
+  // The refused one takes the others with it, and undone edits can be redone.
   Refused(*editor, {{"op", "together"}, {"edits", {move, {{"op", "delete"}, {"name", "nothing"}}}}});
   EXPECT_EQ(Applied(*editor, {{"op", "document"}})["redo"], "the move of 2 models");
   EXPECT_NEAR(PoseInWorld(editor->world()->loaded.world, editor->world()->Find("a")->model).y, 0.0, 1e-9);
