@@ -137,12 +137,11 @@ def main():
     gcc = gcc_version()
     hashes = {batch.hash(read_text, checks): batch for batch in batches}
     hash_of = {batch: hash_ for hash_, batch in hashes.items()}
-    clean = set(hashes)
+    clean = read_record(gcc) & set(hashes)
     if selected:
         batches = [batch for batch in batches if selected & set(batch.sources)]
     elif not arguments.all:
-        linted = read_record(gcc)
-        batches = [batch for hash_, batch in hashes.items() if hash_ not in linted]
+        batches = [batch for batch in batches if hash_of[batch] not in clean]
         print(f"{len(hashes) - len(batches)} of {len(hashes)} batches are as they were when {RECORD} was written")
     batches.sort(key=lambda batch: -len(batch.origins))  # the longest first, so that all processors end together
     printed = set()
@@ -150,15 +149,17 @@ def main():
         for batch, findings in zip(batches, pool.map(Batch.findings, batches)):
             if findings:
                 clean.discard(hash_of[batch])
+            else:
+                clean.add(hash_of[batch])
+            if arguments.record:  # each time, so that what has been read counts after an interruption
+                with open(RECORD, "w", encoding="utf-8") as record:
+                    record.write("\n".join([gcc, *sorted(clean)]) + "\n")
             for finding in findings:
                 if finding not in printed:  # of headers, each batch finds the same
                     printed.add(finding)
                     print(finding, flush=True)
     sources = sum(len(batch.sources) for batch in batches)
     print(f"{len(printed)} findings in {sources} sources and their headers")
-    if arguments.record and not selected:
-        with open(RECORD, "w", encoding="utf-8") as record:
-            record.write("\n".join([gcc, *sorted(clean)]) + "\n")
     sys.exit(1 if printed else 0)
 
 
