@@ -1,8 +1,8 @@
 // ZoneWays: what the zones of a world that are on mean for the way of a robot on a WalkGrid.
 //
 // A robot keeps its whole body out of keepout zones: their cells are closed, with all within its radius of them. A
-// robot inside leaves the zone by the shortest way, and does not come back. In a one_way zone it makes no step against the
-// heading.
+// robot inside leaves the zone by the shortest way, and does not come back. In a one_way zone it makes no step against
+// the heading.
 //
 // Constant after construction; a pure function of its arguments. Cost: the cells in the zones and along their edges.
 #pragma once

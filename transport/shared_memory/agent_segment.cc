@@ -62,11 +62,17 @@ AgentSegment::AgentSegment(pid_t service, std::shared_ptr<const MappedMemory> fr
       answers_header_(std::move(header)),
       pin_(pin),
       group_(std::uint32_t{1} << (MakeRandomId() % kGroups)) {
-  this->pin() = 0;  // of its last owner
+  SetPin(0);  // of its last owner
 }
 
 AgentSegment::~AgentSegment() {
-  pin() = 0;
+  SetPin(0);
+}
+
+void AgentSegment::SetPin(std::uint64_t newest) {
+  if (pinned_ != 0) EndAccess(&FrameOf(pinned_));
+  pinned_ = newest;
+  answers_header_.At<Pin>(PinOffset(pin_)).frame.store(newest);
 }
 
 bool AgentSegment::Wait() {
@@ -124,10 +130,10 @@ AgentSegment::Outcome AgentSegment::Read(const FrameInPlace*& frame) {
     const std::uint64_t newest = frames().newest.load(std::memory_order_acquire);
     if (FrameIn(newest) == read_) return Outcome::kNothing;
     // In this order (sequentially consistent): see Pin.
-    pin().store(newest);
+    SetPin(newest);
     if (frames().newest.load() != newest) continue;
     read_ = FrameIn(newest);
-    frame = &frames_->At<const FrameInPlace>(BufferOffset(BufferIn(newest)) + SharedArena::kFirstObject);
+    frame = &FrameOf(newest);
     return Outcome::kNews;
   }
 }

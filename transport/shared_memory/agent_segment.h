@@ -59,7 +59,11 @@ class AgentSegment {
                std::size_t pin);
 
   const FramesHeader& frames() const { return frames_->At<FramesHeader>(0); }
-  Word& pin() const { return answers_header_.At<Pin>(PinOffset(pin_)).frame; }
+  const FrameInPlace& FrameOf(std::uint64_t newest) const {
+    return frames_->At<const FrameInPlace>(BufferOffset(BufferIn(newest)) + SharedArena::kFirstObject);
+  }
+  // The frame that was read until now is read no more.
+  void SetPin(std::uint64_t newest);
   AnswersHeader& answers() const { return answers_header_.At<AnswersHeader>(0); }
   Sent FindSlot(AgentId agent);
   Sent Occupy(std::size_t slot, AgentId agent);
@@ -71,6 +75,7 @@ class AgentSegment {
   const SharedMemory answers_;
   const MappedMemory answers_header_;
   const std::size_t pin_;
+  std::uint64_t pinned_ = 0;             // the value of the pin
   const std::uint32_t group_;            // of the waiters that Close wakes
   std::uint32_t awaited_ = 0;            // of Wait: what was published by the last call
   std::uint64_t session_ = 0;            // of ReadSession: the sequence number of the last one

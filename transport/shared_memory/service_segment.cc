@@ -158,6 +158,7 @@ void ServiceSegment::Fill(Buffer& buffer, std::size_t index, const FrameMessage&
   }
   const SharedArena::Scope scope(*buffer.arena);
   if (buffer.frame == nullptr) buffer.frame = new FrameInPlace;  // the first object of the buffer
+  BeginAccess(buffer.frame);
   buffer.frame->message = frame;
   buffer.frame->is_checked = is_checked;
 }

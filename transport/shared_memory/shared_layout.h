@@ -188,6 +188,27 @@ struct alignas(64) Pin {
 };
 inline constexpr std::size_t kPins = kSlots + 64;  // agents that are about to join or to leave have pins, too
 
+// For the thread sanitizer, which knows words by their addresses, and to which the pins of a service and of an agent in
+// one process are different words: the accesses to a buffer before EndAccess precede those after BeginAccess.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define TROUPE_THREAD_SANITIZER
+#endif
+#endif
+#ifdef TROUPE_THREAD_SANITIZER
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+inline void BeginAccess(const void* buffer) {
+  __tsan_acquire(const_cast<void*>(buffer));
+}
+inline void EndAccess(const void* buffer) {
+  __tsan_release(const_cast<void*>(buffer));
+}
+#else
+inline void BeginAccess(const void* /*buffer*/) {}
+inline void EndAccess(const void* /*buffer*/) {}
+#endif
+
 // An agent claims its slot (SharedMemory::Claim) before it writes, and until it has left the slot.
 struct SlotHeader {
   Word sent_at;  // of the message, in ns of CLOCK_MONOTONIC
