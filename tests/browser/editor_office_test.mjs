@@ -45,6 +45,8 @@ async function buildsAnOffice() {
   await put('sliding_door', [0, -3]);
   await put('hinged_door', [2.8, 0.55]);
   await hasEntities(['sliding_door1', 'hinged_door1']);
+  const offset = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
+  assert.ok(offset(await page.evaluate(() => window.troupe.placeOf('room1')), await at(0, 0)) < 20, 'the room is shown at its place');
 
   // A table with chairs, and a copy of all of them.
   await put('table', [1.6, 2.1]);

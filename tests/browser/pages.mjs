@@ -1,6 +1,6 @@
 // Pages in a headless Chromium with software rendering, and the problems that they report.
 import assert from 'node:assert/strict';
-import {existsSync} from 'node:fs';
+import {existsSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {DEADLINE, Program, until} from './programs.mjs';
 
@@ -114,6 +114,8 @@ export class Pages {
       await attempt(test.name, test);
       for (const [i, page] of this.browser.contexts().flatMap(context => context.pages()).entries()) {
         await page.screenshot({path: path(`left-${test.name}-${i}.png`)}).catch(() => {});
+        const file = await page.evaluate(() => window.troupe?.file?.() ?? null).catch(() => null);
+        if (file) writeFileSync(path(`left-${test.name}-${i}.json`), JSON.stringify(file, null, 1));
         await page.close();
       }
     }

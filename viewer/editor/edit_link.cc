@@ -45,7 +45,16 @@ WorldDescription WithAllAsObjects(WorldDescription world) {
     world.models[i].gripper_return = true;
     world.objects.emplace_back(i);
   }
+  const std::vector<ModelId> before = world.objects;
   std::sort(world.objects.begin(), world.objects.end());
+  const auto follow = [&](ObjectId& object) {
+    const auto place = std::lower_bound(world.objects.begin(), world.objects.end(), before[object.index()]);
+    object = ObjectId(static_cast<std::size_t>(place - world.objects.begin()));
+  };
+  for (DoorDescription& door : world.doors) {
+    for (DoorLeaf& leaf : door.leaves) follow(leaf.object);
+  }
+  for (LiftDescription& lift : world.lifts) follow(lift.cabin);
   return world;
 }
 
@@ -353,6 +362,7 @@ Result<Json> EditLink::Edit(const EditOperation& operation) {
     return Error{{}, error.where.file.empty() ? error.message : error.ToString(), error.code};
   }
   if (std::holds_alternative<edit::Document>(operation)) {
+    reply.value()["edition"] = edition_;
     reply.value()["testing"] = test_.has_value();
     reply.value()["tested"] = tested_;
     if (test_ && !test_->failures().empty()) reply.value()["failure"] = test_->failures().back();

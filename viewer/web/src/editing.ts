@@ -87,6 +87,8 @@ export interface FileEdits {
   beside(name: string, pose: Pose): Pose;
   besideNew(model: string, pose: Pose): Pose;
   move(poses: NamedPose[]): Promise<boolean>;
+  // The file has been edited by a request for the run.
+  changed(): void;
 }
 
 export class Editing {
@@ -348,6 +350,7 @@ export class Editing {
   private async edit(command: string, more: object): Promise<boolean> {
     const reply = await this.connection.request(command, more);
     if (!reply.done) toast(reply.problem, true);
+    this.file?.changed();
     return reply.done;
   }
 
@@ -512,6 +515,7 @@ export class Editing {
     const pose = this.file ? this.file.besideNew(source, plain) : plain;
     const controller = type === 'position' && this.controller ? {controller: this.controller} : {};
     const reply = await this.connection.request('spawn', {source, pose: numbers(pose), ...controller});
+    this.file?.changed();
     const name = reply.entities?.[0]?.name ?? source;
     toast(reply.done ? `${name} is added` : reply.problem, !reply.done);
     if (!reply.done) return;

@@ -26,6 +26,7 @@ export interface FileDocument {
   kind: 'world' | 'include' | 'scenario';
   modified: boolean;
   version: number;
+  edition: number;  // of the world that shows it
   error: string;  // of the text; empty: none
   error_place?: Where;
   undo: string;  // label; empty: nothing to undo

@@ -123,6 +123,7 @@ export class FileEditor {
       beside: (name, pose) => this.grid.besideOthers(name, pose),
       besideNew: (model, pose) => this.grid.besideOthersNew(this.palette.find(({name}) => name === model)?.picture ?? [], pose),
       move: poses => this.moveTogether(poses),
+      changed: () => void this.refresh(),
     });
     this.grid = new PlaceGrid(scene, {
       run: () => this.host.run(),

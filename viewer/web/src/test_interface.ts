@@ -47,7 +47,7 @@ export interface TestInterface {
   plot(signals: string[]): void;
   csv(): Promise<string>;
   request(command: string, more?: object): Promise<Reply>;
-  // The page shows the replies to all of its requests.
+  // The page shows the replies to all of its requests, and the world of the edited file as it is then.
   isIdle(): boolean;
   // The members of an editor: its file as shown, a request, and the places of points on the window.
   file(): FileDocument | null;
@@ -144,7 +144,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
     plot: signals => signals.forEach(signal => host.plots().add(signal)),
     csv: () => host.plots().csv(),
     request: (command, more = {}) => connection.request(command, more),
-    isIdle: () => connection.isIdle,
+    isIdle: () => connection.isIdle && (host.run()?.edition ?? 0) >= (host.file()?.document?.edition ?? 0),
     file: () => host.file()?.document ?? null,
     edit: (op, more = {}) => connection.edit(op, more),
     ground: () => scene.reach(),

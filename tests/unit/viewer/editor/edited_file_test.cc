@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <cmath>
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
@@ -162,8 +163,8 @@ struct Edited {
   Watcher watcher;
   std::unique_ptr<RunObservation> observation;
 
-  Edited() {
-    Result<std::unique_ptr<Editor>> editor = Editor::Open(folder.Write("hall.world", kHall));
+  explicit Edited(const std::string& text = kHall) {
+    Result<std::unique_ptr<Editor>> editor = Editor::Open(folder.Write("hall.world", text));
     EXPECT_TRUE(editor.ok());
     link = std::make_unique<EditLink>(std::move(editor).value());
     observation = std::move(link->Observe(watcher)).value();
@@ -187,6 +188,37 @@ TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
     return session.world_edition == frame.world_edition && frame.state.objects[0].X_WO.x == 2.0 && frame.paused;
   }));
   EXPECT_TRUE(edited.link->is_modified());
+}
+
+TEST(EditLinkTest, StaticModelsBeforeDoorsAndLiftsAreShownAtTheirPlaces) {
+  Edited edited(R"(model( name "wall" pose [5 0 0 0] size [1 0.2 1] )
+door( name "gate" pose [1 2 0 90] )
+model( name "post" pose [6 0 0 0] size [0.2 0.2 1] )
+lift
+(
+  name "hoist" pose [-4 3 0 0] floors ["a" "b"] heights [0 3]
+  block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [-0.1 0] )
+)
+)");
+  const SessionMessage session = edited.watcher.session();
+  const WorldDescription& world = *session.world;
+  EXPECT_TRUE(Validate(session.world).ok());
+  ASSERT_FALSE(world.doors.empty());
+  ASSERT_FALSE(world.lifts.empty());
+  EXPECT_TRUE(edited.watcher.Await([&](const SessionMessage&, const FrameMessage& frame) {
+    if (frame.state.objects.size() != world.objects.size()) return false;
+    bool is_right = true;
+    for (std::size_t i = 0; i < world.objects.size(); ++i) {
+      const ModelDescription& model = world.model(world.objects[i]);
+      const Pose& expected = model.X_PM;
+      const Pose& shown = frame.state.objects[i].X_WO;
+      if (std::hypot(shown.x - expected.x, shown.y - expected.y) > 1.0) {
+        ADD_FAILURE() << model.name << " is shown at " << shown.x << ", " << shown.y;
+        is_right = false;
+      }
+    }
+    return is_right;
+  }));
 }
 
 TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
