@@ -197,7 +197,7 @@ set(may_include_viewer/module
 # The editor shows a file as if it were a paused run, and tests it by the library.
 set(may_include_viewer/editor
   common/base common/bitmap common/geometry common/image common/model transport/protocol common/spatial
-  worldfile/gazebo worldfile/models worldfile/models/properties worldfile/models/types worldfile/edit worldfile/scenario worldfile/stage
+  worldfile worldfile/gazebo worldfile/models worldfile/models/properties worldfile/models/types worldfile/edit worldfile/scenario worldfile/stage
   worldfile/text include/troupe/simulation.h robot-agent/controller robot-agent/drive viewer/gateway world-service/core)
 
 set(may_include_launcher/process common/base)

@@ -154,6 +154,12 @@ Result<LoadedWorld> LoadFile(const std::string& path, const LoadOverrides& overr
 
 }  // namespace
 
+bool IsForeignWorld(const std::string& path) {
+  const std::string ending = EndingOf(path);
+  return IsGazeboPath(path) || IsBuildingPath(path) || IsRouteGraphPath(path) || IsLayoutPath(path) ||
+         IsGridPath(path) || ending == ".yaml" || ending == ".yml";
+}
+
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides) {
   Result<LoadedWorld> loaded = LoadByEnding(path, overrides);
   if (loaded.ok()) AppendPlacementWarnings(path, loaded.value());

@@ -20,6 +20,9 @@ namespace troupe {
 // with XML is Gazebo's.
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides = {});
 
+// Whether the file is a world in a format that other tools write: Gazebo, Open-RMF, LIF, ROS maps, cells.
+bool IsForeignWorld(const std::string& path);
+
 // The file of a world, or the text of a scenario.
 struct WorldSource {
   std::string path;

@@ -34,9 +34,13 @@ int EditCommand(const EditOptions& options) {
   try {
     Result<std::unique_ptr<Editor>> editor = Editor::Open(options.file, options.allowed);
     if (!editor.ok()) return Fail(editor.error());
+    const std::string file = editor.value()->path();
+    if (file != options.file) {
+      PrintPlain(stdout, "{} stays as it is: its edits are kept in the scenario {}\n", options.file, file);
+    }
     EditLink link(std::move(editor).value());
     ViewerGatewayOptions gateway_options;
-    gateway_options.session = std::filesystem::path(options.file).filename().string();
+    gateway_options.session = std::filesystem::path(file).filename().string();
     gateway_options.token = MakeToken();
     gateway_options.editor = true;
     gateway_options.view_only = options.view_only;
@@ -51,7 +55,7 @@ int EditCommand(const EditOptions& options) {
     std::fflush(stdout);
     pollfd waited = {signals.descriptor(), POLLIN, 0};
     while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
-    if (link.is_modified()) PrintPlain(stderr, "{}: warning: the last edits were not saved\n", options.file);
+    if (link.is_modified()) PrintPlain(stderr, "{}: warning: the last edits were not saved\n", file);
     return kExitDone;
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
@@ -65,7 +69,8 @@ void AddEditCommand(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<EditOptions>();  // lives as long as the command
   command
       ->add_option("FILE", options->file,
-                   "A Stage world (.world), models (.inc) or a JSON scenario (.json); a new one if it does not exist")
+                   "A Stage world (.world), models (.inc) or a JSON scenario (.json), new if it does not exist; or a "
+                   "world of another format, whose edits are kept in a scenario beside it")
       ->required()
       ->check(NotEmpty());
   AddListenOption(*command, options->listen);

@@ -158,7 +158,6 @@ TEST_F(PathsTest, CheckAndSnapshotKnowProblems) {
   folder_.Write("bad.paths", "Agent 0:(3,2)->(3,4)\n");
   EXPECT_THAT(OutputOf(Troupe({"check", Path("c.scen"), "--paths", Path("bad.paths")}), 2),
               HasSubstr("bad.paths:1:16: error: found a jump to (3, 4)"));
-  EXPECT_THAT(OutputOf(Troupe({"edit", Path("m.map")}), 2), HasSubstr("expected a scenario whose \"world\" it is"));
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 
 #include "robot-agent/controller/create_controller.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/gazebo/gazebo_tree.h"
 #include "worldfile/models/build_world.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/stage/stage_world.h"
@@ -160,24 +159,6 @@ bool HasRanger(const WorldNode& node) {
 }
 
 }  // namespace
-
-Result<EditedKind> KindOf(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension().string();
-  if (ending == ".world" && !IsGazeboPath(path)) return EditedKind::kWorld;
-  if (ending == ".inc") return EditedKind::kInclude;
-  if (ending == ".json") return EditedKind::kScenario;
-  if (ending == ".map" || ending == ".pogema" || ending == ".scen") {
-    return Error{{path},
-                 "found a map of cells or its agents, which have no models to edit; expected a scenario whose "
-                 "\"world\" it is"};
-  }
-  if (ending == ".world" || IsModelFile(path)) {
-    return Error{{path},
-                 "found a file of Gazebo or ROS, whose own tools edit it; expected a scenario whose \"world\" it is"};
-  }
-  return Error{{path},
-               "found a file ending in " + Quoted(ending) + ", expected .world, .inc (models) or .json (scenario)"};
-}
 
 const EditedEntity* EditableWorld::Find(const std::string& name) const {
   const auto found =

@@ -30,9 +30,6 @@ constexpr auto NamesOf(EditedKind) {
   return std::array{"world", "include", "scenario"};
 }
 
-// The error names a file of another kind.
-Result<EditedKind> KindOf(const std::string& path);
-
 // The files that a text may name, and the contents of images that are edited and not saved.
 struct NamedFiles {
   AllowedPaths allowed;

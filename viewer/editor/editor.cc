@@ -9,9 +9,11 @@
 #include <numbers>
 #include <utility>
 
+#include "viewer/editor/edit_target.h"
 #include "viewer/editor/model_library.h"
 #include "viewer/editor/model_parts.h"
 #include "worldfile/edit/stage_edit.h"
+#include "worldfile/gazebo/gazebo_tree.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
 
@@ -22,27 +24,23 @@ void AddFoldersOf(const std::vector<std::string>& files, AllowedPaths& allowed) 
   for (const std::string& file : files) allowed.Add(DirectoryOf(file));
 }
 
-// A scenario must be an object; an empty world file is valid.
-const char* InitialText(EditedKind kind) {
-  return kind == EditedKind::kScenario ? "{\n}\n" : "";
-}
-
 }  // namespace
 
 // The file on disk is the user's: what it names at first may be read, libraries included. What the page writes later
 // may not extend that.
-Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std::vector<std::string>& allowed) {
-  const Result<EditedKind> kind = KindOf(path);
-  if (!kind.ok()) return kind.error();
-  Result<EditedFile> file = EditedFile::Open(path, InitialText(kind.value()));
+Result<std::unique_ptr<Editor>> Editor::Open(const std::string& named, const std::vector<std::string>& allowed) {
+  const Result<EditTarget> target = TargetOf(named);
+  if (!target.ok()) return target.error();
+  const auto& [path, kind, initial] = target.value();
+  Result<EditedFile> file = EditedFile::Open(path, initial);
   if (!file.ok()) return file.error();
-  std::unique_ptr<Editor> editor(new Editor(std::move(file).value(), kind.value()));
+  std::unique_ptr<Editor> editor(new Editor(std::move(file).value(), kind));
   for (const std::string& folder : allowed) editor->allowed_.Add(folder);
   AddFoldersOf({path}, editor->allowed_);
   for (const std::string& folder : LibraryFolders()) editor->allowed_.Add(folder);
   // All that the file names at first.
   const Result<std::unique_ptr<EditableWorld>> first =
-      MakeEditedWorld(kind.value(), editor->text(), path, {AllowedPaths::All()});
+      MakeEditedWorld(kind, editor->text(), path, {AllowedPaths::All()});
   if (first.ok()) {
     AddFoldersOf(first.value()->tree.files, editor->allowed_);
     AddFoldersOf(first.value()->loaded.files, editor->allowed_);
@@ -192,10 +190,15 @@ std::vector<const ModelLibrary*> Editor::OtherLibraries() const {
   for (const ModelLibrary& library : *libraries_read_) {
     if (!used.contains(library.path)) others.push_back(&library);
   }
+  if (model_files_ == nullptr) {
+    model_files_ = std::make_shared<const ModelLibrary>(ReadModelFiles(DirectoryOf(path()), allowed_));
+  }
+  if (!model_files_->models.empty()) others.push_back(model_files_.get());
   return others;
 }
 
 Result<std::string> Editor::WithLibrary(const ModelLibrary& library) const {
+  if (library.path.empty()) return text();
   const std::string name = NameOfLibrary(library, path());
   if (kind_ != EditedKind::kScenario) {
     const Result<StageTree> syntax = ParseStage(text(), path());
@@ -234,9 +237,12 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree.world);
   const double heading =
       !is_scenario && units.radians == 1.0 ? pose.heading : WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
-  WrittenModel written{model, {}, {}};
-  std::string name = FreeName(model);
+  // A scenario's entry has the file in place of a type; one of a world has it as a property.
+  const bool is_file = IsModelFile(model);
+  WrittenModel written{is_file && !is_scenario ? type : model, {}, {}};
+  std::string name = FreeName(is_file ? NameOfModelFile(model) : model);
   written.Set("name", Text(name));
+  if (is_file && !is_scenario) written.Set("model_file", Text(model));
   std::vector<double> numbers{pose.x / units.metres, pose.y / units.metres, pose.z / units.metres, heading};
   if (is_scenario && pose.z == 0.0) numbers.erase(numbers.begin() + 2);
   written.Set("pose", Tuple(numbers));

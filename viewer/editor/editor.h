@@ -35,11 +35,11 @@ struct ModelLibrary;
 
 class Editor {
  public:
-  // A file that does not exist yet is an empty one. A file with an error is opened, for its text to be corrected. The
-  // error is a file that cannot be read, or is of another kind.
+  // The file of the EditTarget; one that does not exist yet has its initial text. A file with an error is opened, for
+  // its text to be corrected. Errors: those of TargetOf, and a file that cannot be read.
   // The text may name files in the folders of those that it names now, and the `allowed` ones: the page that edits it
   // is not to read others.
-  static Result<std::unique_ptr<Editor>> Open(const std::string& path, const std::vector<std::string>& allowed = {});
+  static Result<std::unique_ptr<Editor>> Open(const std::string& named, const std::vector<std::string>& allowed = {});
 
   // The newest text that loads makes this world; null: none has loaded so far.
   const EditableWorld* world() const { return world_.get(); }
@@ -171,6 +171,7 @@ class Editor {
   std::optional<Error> error_;  // of the text
   std::uint64_t version_ = 0;
   mutable std::shared_ptr<const std::vector<ModelLibrary>> libraries_read_;  // null: not read yet
+  mutable std::shared_ptr<const ModelLibrary> model_files_;                  // like them
 };
 
 }  // namespace troupe

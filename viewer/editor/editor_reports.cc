@@ -164,7 +164,7 @@ Result<Json> Editor::Execute(const edit::Palette&) const {
     models.push_back(std::move(row));
   }
   for (const ModelLibrary* const library : OtherLibraries()) {
-    const std::string name = std::filesystem::path(library->path).stem().string();
+    const std::string name = library->path.empty() ? "files" : std::filesystem::path(library->path).stem().string();
     for (const LibraryModel& model : library->models) {
       const bool is_hidden =
           std::any_of(models.begin(), models.end(), [&](const Json& row) { return row["name"] == model.name; });

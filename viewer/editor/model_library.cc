@@ -10,6 +10,7 @@
 #include "common/base/paths.h"
 #include "viewer/editor/editable_world.h"
 #include "worldfile/edit/stage_edit.h"
+#include "worldfile/gazebo/gazebo_tree.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
 
@@ -85,6 +86,31 @@ std::vector<ModelLibrary> ReadLibraries() {
     }
   }
   return libraries;
+}
+
+ModelLibrary ReadModelFiles(const std::string& folder, const AllowedPaths& allowed) {
+  constexpr std::size_t kMostFiles = 50;  // each may have meshes
+  std::vector<fs::path> paths;
+  std::error_code failure;
+  for (auto at = fs::recursive_directory_iterator(folder, failure); at != fs::recursive_directory_iterator();
+       at.increment(failure)) {
+    if (failure) break;
+    if (at.depth() > 0) at.disable_recursion_pending();
+    if (IsModelFile(at->path().string()) && at->is_regular_file(failure)) paths.push_back(at->path());
+  }
+  std::sort(paths.begin(), paths.end());
+  ModelLibrary library;
+  for (const fs::path& path : paths) {
+    if (library.models.size() >= kMostFiles) break;
+    WorldTree tree;
+    tree.directory = folder;
+    const std::string name = fs::relative(path, folder, failure).string();
+    if (!DefineModelFile(name, path.string(), {path.string()}, allowed, tree).ok()) continue;
+    const Result<LoadedWorld> alone = BuildAlone(tree, name, {allowed});
+    if (!alone.ok()) continue;
+    library.models.push_back({name, tree.defines.at(name).base, {path.string()}, PictureOf(alone.value().world)});
+  }
+  return library;
 }
 
 std::string NameOfLibrary(const ModelLibrary& library, const std::string& path) {

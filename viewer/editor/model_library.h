@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/paths.h"
 #include "troupe/result.h"
 #include "worldfile/stage/stage_tree.h"
 
@@ -23,7 +24,7 @@ struct LibraryModel {
 };
 
 struct ModelLibrary {
-  std::string path;  // without links
+  std::string path;  // without links; empty: of ReadModelFiles, which are used without an include
   std::vector<LibraryModel> models;
 };
 
@@ -33,6 +34,11 @@ std::vector<std::string> LibraryFolders();
 // All that can be read, in the order of the folders. A model without a body of its own is left out: others are made
 // from it.
 std::vector<ModelLibrary> ReadLibraries();
+
+// The models and robots of Gazebo and ROS (SDF, URDF, xacro) in a folder and in those in it, under their paths from
+// there, which is how a file of the folder names them. Files that cannot be read, or have no model, are left out, and
+// so are those beyond some tens.
+ModelLibrary ReadModelFiles(const std::string& folder, const AllowedPaths& allowed);
 
 // How the file at `path` names the library: by its name alone, if that finds it.
 std::string NameOfLibrary(const ModelLibrary& library, const std::string& path);

@@ -383,7 +383,9 @@ export class FileEditor {
       const lines = rows.map(row => this.paletteLine(row));
       if (title === '') return lines;
       const head = make('h3', 'palette-title', title.replace(/_/g, ' '));
-      head.title = title === 'plain' ? 'A box to begin with' : `Of the library ${rows[0].where.file}, which is included when one is put down`;
+      head.title = title === 'plain' ? 'A box to begin with'
+        : title === 'files' ? 'Models and robots of Gazebo and ROS beside the file, which names them'
+        : `Of the library ${rows[0].where.file}, which is included when one is put down`;
       return [head, ...lines];
     }));
   }
