@@ -47,7 +47,7 @@ export class Hand {
     const isInView = () => element.evaluate(each => {
       const box = each.getBoundingClientRect();
       const top = document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2);
-      return top !== null && (each.contains(top) || top.contains(each));
+      return each.contains(top);
     });
     if (!await isInView()) {
       await this.take(SCROLL);

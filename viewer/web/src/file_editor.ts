@@ -52,6 +52,7 @@ export class FileEditor {
   private copied: readonly string[] = [];  // to be pasted
   private pointer: {x: number; y: number} | null = null;  // over the picture, px
   private paletteVersion = -1;
+  private paletteText = '';
   private bitmapVersion = -1;
   private refreshing = false;
   private again = false;
@@ -314,8 +315,11 @@ export class FileEditor {
     const reply = await this.client.ask('palette');
     if (!reply.done) return;
     this.paletteVersion = version;
+    const text = JSON.stringify(reply.models);
+    if (text === this.paletteText) return;
+    this.paletteText = text;
     this.palette = reply.models;
-    this.showPalette();
+    this.keepPlace(byId('palette'), () => this.showPalette());
   }
 
   private showDocument(shown: FileDocument): void {
@@ -367,6 +371,17 @@ export class FileEditor {
         };
         return row;
       }));
+  }
+
+  // The first row in view stays where it is: it may be below the pointer.
+  private keepPlace(list: HTMLElement, change: () => void): void {
+    const rows = (): HTMLElement[] => [...list.querySelectorAll<HTMLElement>('.palette-row')];
+    const {top} = list.getBoundingClientRect();
+    const first = rows().find(row => row.getBoundingClientRect().bottom > top);
+    const before = first?.getBoundingClientRect().top ?? 0;
+    change();
+    const again = first && rows().find(row => row.dataset.model === first.dataset.model);
+    if (again) list.scrollTop += again.getBoundingClientRect().top - before;
   }
 
   // The models of the file first, then those of libraries, then the plain types.
