@@ -384,7 +384,7 @@ export class FileEditor {
     if (again) list.scrollTop += again.getBoundingClientRect().top - before;
   }
 
-  // The models of the file first, then those of libraries, then the plain types.
+  // The models of the file first, then those in files beside it, those of libraries, and the plain types.
   private showPalette(): void {
     const groups = new Map<string, PaletteRow[]>();
     const titleOf = (row: PaletteRow): string => row.library ?? (row.where.file ? '' : 'plain');
@@ -392,7 +392,7 @@ export class FileEditor {
       const title = titleOf(row);
       groups.set(title, [...groups.get(title) ?? [], row]);
     }
-    const order = (title: string): number => (title === '' ? 0 : title === 'plain' ? 2 : 1);
+    const order = (title: string): number => ({'': 0, files: 1, plain: 3} as Record<string, number>)[title] ?? 2;
     const sorted = [...groups].sort(([a], [b]) => order(a) - order(b));
     byId('palette').replaceChildren(...sorted.flatMap(([title, rows]) => {
       const lines = rows.map(row => this.paletteLine(row));
