@@ -179,14 +179,42 @@ class LiftService {
     return oldest != nullptr && (oldest->is_inside || oldest->at == floor);
   }
 
+  // People in the cabin have to go on, and one who waits here has failed to get on a short while ago, because of the
+  // crowd before the doorway: the lift leaves, and comes back for the others.
+  bool IsHeldUp() const {
+    const bool has_riders = std::any_of(passengers_.begin(), passengers_.end(), [&](const Passenger& each) {
+      return each.is_inside && each.state->place != 0 && each.state->floor != lift_.floor;
+    });
+    return has_riders && std::any_of(passengers_.begin(), passengers_.end(), [&](const Passenger& each) {
+             return Waits(each, lift_.floor) && each.state->boarding_ticks > 0 && now_ - each.turn() < limit();
+           });
+  }
+
+  // Of the people who wait at this floor: the one with the earliest turn while none is getting on, so that no one waits
+  // for ever, and then the nearest to the door, which is in the way of the others. People whose turn has just ended are
+  // left to a later tick, so that the lift serves the others.
+  const Passenger* NextToGetOn() const {
+    const auto waits = [&](const Passenger& each) { return Waits(each, lift_.floor) && each.turn() != now_; };
+    if (!AreGettingOn()) return Oldest(waits);
+    const Vec2& door = portal_.stops[lift_.floor]->door;
+    const Passenger* nearest = nullptr;
+    double least = 0.0;
+    for (const Passenger& each : passengers_) {
+      if (!waits(each)) continue;
+      const double distance = (each.state->X_WP.translation() - door).squaredNorm();
+      if (nearest != nullptr && distance >= least) continue;
+      nearest = &each;
+      least = distance;
+    }
+    return nearest;
+  }
+
   // Gives places to the people who wait at this floor, and keeps the lift there for them until its doors are open.
-  // People whose turn has just ended are left to a later tick, so that the lift serves the others.
   bool LetGetOn() {
-    if (!MayPickUp(lift_.floor)) return false;
+    if (!MayPickUp(lift_.floor) || IsHeldUp()) return false;
     bool stays = false;
     while (true) {
-      const Passenger* const next =
-          Oldest([&](const Passenger& each) { return Waits(each, lift_.floor) && each.turn() != now_; });
+      const Passenger* const next = NextToGetOn();
       const std::optional<std::uint32_t> place = next != nullptr ? FreePlace(*next) : std::nullopt;
       if (!place) return stays;
       stays = true;

@@ -97,7 +97,18 @@ class Walk {
     person_.goal = nearest.value_or(0);
     ++person_.goals_chosen;
     person_.dwell_ticks = person_.watch_ticks = 0;
-    if (person_.place == 0) person_.EndRide();
+    ChangeRide();
+  }
+
+  // Its goal is another one: in the cabin it rides on to that, without having got off. Else it lets the lift go.
+  void ChangeRide() {
+    if (person_.lift == 0) return;
+    const std::uint32_t lift = person_.lift - 1;
+    if (person_.place != 0 && CabinAround(view_, person_.X_WP) == lift) {
+      GetIn(lift, {person_.goals, person_.goal});
+    } else {
+      person_.EndRide();
+    }
   }
 
   // The goals of the leader. On another level than that the person goes on to them.

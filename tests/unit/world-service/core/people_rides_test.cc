@@ -375,6 +375,80 @@ TEST(PeopleInLifts, OneWhoIsTooWideForACabinKeepsNoneFromRiding) {
   EXPECT_EQ(Level(run, wide), 0u);
 }
 
+// An evacuation of all levels, off at first, to an exit on the ground.
+void AddEvacuation(HouseWorld& house, std::size_t levels, const Vec2& exit) {
+  const std::uint32_t exits = house.AddGoals({exit});
+  house.world.goal_sets[exits].heights = {HouseWorld::LevelZ(0)};
+  house.world.exits = {exits};
+  for (std::size_t level = 0; level < levels; ++level) {
+    house.world.zones.push_back({.name = "alarm_" + std::to_string(level),
+                                 .kind = ZoneKind::kEvacuation,
+                                 .outline = {{-3.0, 0.0}, {14.0, 0.0}, {14.0, 10.0}, {-3.0, 10.0}},
+                                 .z = HouseWorld::LevelZ(level),
+                                 .is_on = false,
+                                 .exits = exits});
+  }
+}
+
+void RaiseAlarm(PeopleRun& run) {
+  for (ZoneState& zone : run.state.zones) zone.is_on = true;
+}
+
+// It is on its way up, and neither gets off there nor calls the lift again.
+TEST(Evacuation, APersonInTheCabinRidesToTheLevelOfTheExit) {
+  HouseWorld house(2);
+  AddEvacuation(house, 2, {10.0, 5.0});
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  PeopleRun run(house.world);
+  const auto& row = run.state.people[anna.index()];
+  ASSERT_TRUE(run.StepUntil(600, [&] { return row.X_WP.z > 0.5; }));
+  const std::uint32_t call = row.call_tick;
+  RaiseAlarm(run);
+  std::uint32_t last_call = call;
+  EXPECT_TRUE(run.StepUntil(900, [&] {
+    EXPECT_TRUE(row.X_WP.z < 0.5 || run.Place(anna).x() < 0.0) << "it has got off";
+    if (row.call_tick != 0) last_call = row.call_tick;
+    return IsAway(row);
+  }));
+  EXPECT_EQ(last_call, call);
+}
+
+// The people of all levels crowd before the lift, which has others in its cabin, and a robot stands there: all leave,
+// while none is in another body. Places that went to the people with the earliest calls alone, across the crowd, would
+// take 6000 ticks.
+TEST(Evacuation, CrowdsOfAllLevelsLeaveByTheLift) {
+  constexpr std::size_t kLevels = 3;
+  for (const Tick alarm : {120, 300}) {
+    SCOPED_TRACE(alarm);
+    HouseWorld house(kLevels);
+    AddEvacuation(house, kLevels, {12.0, 5.0});
+    house.AddRobot(test::Square(0.6), {0.0, 0.6}, {2.2, 7.5, HouseWorld::LevelZ(1), 0.0});
+    for (std::size_t level = 0; level < kLevels; ++level) {
+      const std::uint32_t tour = house.AddTour({{{3.0, 5.0}, (level + 1) % kLevels}, {{3.0, 5.0}, level}});
+      for (int i = 0; i < 36; ++i) house.AddPersonOn(level, {1.2 + 0.7 * (i % 9), 3.2 + 0.8 * (i / 9)}, tour);
+    }
+    ASSERT_TRUE(Validate(house.world).ok()) << Validate(house.world).error().message;
+    PeopleRun run(house.world);
+    while (run.state.tick < alarm) run.Step();
+    RaiseAlarm(run);
+    std::ptrdiff_t left = 0;
+    const auto is_empty = [&] {
+      left = std::count_if(run.state.people.begin(), run.state.people.end(),
+                           [](const PersonState& person) { return !IsAway(person); });
+      return left == 0;
+    };
+    while (run.state.tick < 4500 && !is_empty()) {
+      run.Step();
+      if (run.state.tick % 100 != 0) continue;
+      for (std::size_t i = 0; i < run.state.people.size(); ++i) {
+        if (IsAway(run.state.people[i])) continue;
+        EXPECT_FALSE(FindOverlap(*run.scene, run.state, run.scene->world().people[i].root)) << i;
+      }
+    }
+    EXPECT_EQ(left, 0);
+  }
+}
+
 TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
   HouseWorld house(2);
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
