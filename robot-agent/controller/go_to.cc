@@ -143,6 +143,7 @@ class GoToController final : public Controller, public RobotWatcher {
     // It leaves its way only where it turns on the spot.
     if (ahead_R.x() < kFacing * ahead_R.norm()) command.twist.vx = 0.0;
     if (leg.value().door) command.orders.push_back(DoorOrder{.door = *leg.value().door});
+    if (leg.value().wait) command.orders.push_back(*leg.value().wait);
     return command;
   }
 

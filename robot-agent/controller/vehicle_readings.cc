@@ -138,11 +138,6 @@ std::vector<fleet::ActionSpecification> ActionsOf(fleet::Version version, bool h
 
 }  // namespace
 
-ModelId RootOf(const Surroundings& around, ModelId model) {
-  while (const std::optional<ModelId> parent = around.world().model(model).parent) model = *parent;
-  return model;
-}
-
 Rectangle BoxOf(const Surroundings& around, BodyId body) {
   Rectangle box = Rectangle::Nothing();
   const Body& shape = around.scene.body(body);

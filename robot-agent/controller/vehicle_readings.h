@@ -32,8 +32,6 @@ std::optional<VehicleLoad> FindLoad(const Surroundings& around, RobotId robot, c
 std::optional<Vec2> FindStation(const Surroundings& around, const std::string& name);
 // The box around a body without its joints' motions, along the axes of its frame. Empty: it has none.
 Rectangle BoxOf(const Surroundings& around, BodyId body);
-// The name of the entity that a model belongs to, and its root.
-ModelId RootOf(const Surroundings& around, ModelId model);
 
 fleet::VehicleReadings MakeReadings(const Surroundings& around, const Observation& observation, RobotId robot,
                                     const fleet::VehicleSettings& settings);

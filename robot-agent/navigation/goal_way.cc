@@ -58,17 +58,22 @@ std::string NameOfBody(const Scene& scene, ModelId model) {
   return world.model(model).name;
 }
 
-// Of a door that can be asked for: the grid has its leaves as they stand when it is open.
-bool IsLeaf(const Scene& scene, BodyId body) {
+// The door of which a body is a leaf.
+std::optional<std::size_t> DoorOfLeaf(const Scene& scene, BodyId body) {
   const std::optional<ObjectId> object = scene.object_of(body);
   const std::vector<DoorDescription>& doors = scene.world().doors;
   for (std::size_t i = 0; object && i < doors.size(); ++i) {
-    if (!scene.walk_routes().portals().doors[i]) continue;
     for (const DoorLeaf& leaf : doors[i].leaves) {
-      if (leaf.object == *object) return true;
+      if (leaf.object == *object) return i;
     }
   }
-  return false;
+  return std::nullopt;
+}
+
+// Of a door that can be asked for: the grid has its leaves as they stand when it is open.
+bool IsLeaf(const Scene& scene, BodyId body) {
+  const std::optional<std::size_t> door = DoorOfLeaf(scene, body);
+  return door && scene.walk_routes().portals().doors[*door];
 }
 
 }  // namespace
@@ -162,10 +167,26 @@ void GoalWay::Search(const Observation& now, const Surroundings& around) {
   }
   // Around static bodies alone: if that fails, too, there is nothing to wait for.
   if (const Status status = SearchOn(around, radii.back(), false); !status.ok()) failure_ = status.error().message;
+  on_way_ = FindOnWay(around);
   points_.clear();
   CountBlock(now, around.PoseOf(own_).translation());
   ++failed_searches_;
   if (!failure_) is_aside_ = StepAside(around);
+}
+
+std::optional<ModelId> GoalWay::FindOnWay(const Surroundings& around) const {
+  Pose X_WR = around.PoseOf(own_);
+  for (const Vec2& point : points_) {
+    const Vec2 way = point - X_WR.translation();
+    const double length = way.norm();
+    if (length == 0.0) continue;
+    X_WR.heading = Atan2(way.y(), way.x());
+    const auto contact = FindContactAhead(around, own_, X_WR, way / length, length);
+    if (contact && around.scene.body_of(contact->model)) return contact->model;
+    X_WR.x = point.x();
+    X_WR.y = point.y();
+  }
+  return std::nullopt;
 }
 
 bool GoalWay::StepAside(const Surroundings& around) {
@@ -213,9 +234,20 @@ GoalWay::Leg GoalWay::HeedZones(const Observation& now, const Surroundings& arou
   const double room =
       RoomBeforeRelease(around.world(), around.state, here, points_, next_, X_WR.z, radius, 0.5 * grid_->cell(), look);
   if (room >= look) return leg;
-  if (room < kStanding) return {here, 0.0, leg.door};
+  if (room < kStanding) return {here, 0.0, leg.door, WaitOrder()};
   leg.most = std::min(leg.most, BrakingSpeed(drive_, room));
   return leg;
+}
+
+GoalWay::Leg GoalWay::WaitFor(const Surroundings& around, std::optional<ModelId> model) const {
+  const std::optional<BodyId> body = model ? around.scene.body_of(*model) : std::nullopt;
+  WaitOrder wait;
+  if (const auto door = body ? DoorOfLeaf(around.scene, *body) : std::nullopt) {
+    wait.thing = around.world().doors[*door].model;
+  } else if (body) {
+    wait.thing = RootOf(around, *model);
+  }
+  return {around.PoseOf(own_).translation(), 0.0, {}, wait};
 }
 
 // An edit may have moved the robot, and a lift changes its height.
@@ -301,7 +333,8 @@ GoalWay::Leg GoalWay::AwaitDoor(const Observation& now, const Surroundings& arou
   wait_until_.reset();
   // Where a leaf could touch it, it makes room.
   const bool is_in_reach = clearance.distance < radius && drive_.type != DriveType::kCar;
-  return is_in_reach ? Leg{here + clearance.away, kCornerSpeed, leg.door} : Leg{here, 0.0, leg.door};
+  if (is_in_reach) return {here + clearance.away, kCornerSpeed, leg.door};
+  return {here, 0.0, leg.door, WaitOrder{around.world().doors[*leg.door].model, {}}};
 }
 
 GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) {
@@ -314,12 +347,12 @@ GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) 
   if (length < PassedDistance() && is_aside_) {
     if (!aside_until_) aside_until_ = now.time + kAside * (1.0 + now.Random(9));
     is_due_ = now.time >= *aside_until_;
-    return {here, 0.0};
+    return WaitFor(around, LastBlocker());
   }
   if (length < PassedDistance() && !reaches_) {  // something stands at the goal
     CountBlock(now, here);
     is_due_ = now.time - searched_at_ >= kRetry;
-    return {here, 0.0};
+    return WaitFor(around, LastBlocker());
   }
   leg = AwaitDoor(now, around, leg);
   if (leg.most == 0.0) return leg;
@@ -340,7 +373,9 @@ GoalWay::Leg GoalWay::Drive(const Observation& now, const Surroundings& around) 
   leg.most = std::min(leg.most, BrakingSpeed(drive_, room));
   if (room >= kStanding) return leg;
   OnBlocked(now, around, contact->model);
-  return {here, 0.0, leg.door};
+  Leg wait = WaitFor(around, contact->model);
+  wait.door = leg.door;
+  return wait;
 }
 
 Result<GoalWay::Leg> GoalWay::Update(const Observation& now, const Surroundings& around, const Vec2& goal) {
@@ -354,10 +389,11 @@ Result<GoalWay::Leg> GoalWay::Update(const Observation& now, const Surroundings&
   if (failure_) return Failure(*failure_);
   const Vec2 here = around.PoseOf(own_).translation();
   if (blocked_since_ && (here - blocked_at_).norm() >= kMovedOn) blocked_since_.reset();
-  const Leg leg = points_.empty() ? Leg{here, 0.0} : Drive(now, around);
+  const Leg leg = points_.empty() ? WaitFor(around, LastBlocker()) : Drive(now, around);
   if ((blocked_since_ && now.time - *blocked_since_ >= kGiveUp) || searches_ > kMaxSearches) {
-    failure_ = blockers_.empty() ? "something is in the way"
-                                 : fmt::format("{} is in the way", NameOfBody(around.scene, blockers_.back()));
+    const std::optional<ModelId> blocker = LastBlocker();
+    failure_ =
+        blocker ? fmt::format("{} is in the way", NameOfBody(around.scene, *blocker)) : "something is in the way";
     return Failure(*failure_);
   }
   return leg;

@@ -26,6 +26,7 @@
 
 #include "robot-agent/navigation/surroundings.h"
 #include "troupe/controller.h"
+#include "troupe/order.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
 #include "troupe/vec2.h"
@@ -48,6 +49,7 @@ class GoalWay {
     Vec2 point{0.0, 0.0};                                   // m, W: straight ahead of it nothing static stands
     double most = std::numeric_limits<double>::infinity();  // m/s: it can stand before what is in the way
     std::optional<std::size_t> door = {};                   // on its next metres, which is to be opened
+    std::optional<WaitOrder> wait = {};                     // it stands, and for what
   };
   // Call it in each tick. `goal`: m, W. The error is why the goal is given up: the same until there is another one.
   Result<Leg> Update(const Observation& now, const Surroundings& around, const Vec2& goal);
@@ -76,6 +78,10 @@ class GoalWay {
   Leg Drive(const Observation& now, const Surroundings& around);
   void OnBlocked(const Observation& now, const Surroundings& around, ModelId model);
   void CountBlock(const Observation& now, const Vec2& here);
+  // The first robot, person or object on the points.
+  std::optional<ModelId> FindOnWay(const Surroundings& around) const;
+  // What was in the way last; nothing: it does not know.
+  std::optional<ModelId> LastBlocker() const { return blockers_.empty() ? on_way_ : std::optional(blockers_.back()); }
   double CornerSpeed(const Vec2& here) const;
   // The first door on the next metres of the way that is not open.
   std::optional<std::size_t> ClosedDoorAhead(const Surroundings& around, const Vec2& here) const;
@@ -85,6 +91,8 @@ class GoalWay {
   // The leg with that door: no farther than to where no leaf sweeps.
   Leg AwaitDoor(const Observation& now, const Surroundings& around, Leg leg);
   double PassedDistance() const;
+  // It stands and waits: for the body of a model, or of nothing for something that it does not know.
+  Leg WaitFor(const Surroundings& around, std::optional<ModelId> model) const;
 
   RobotId own_;
   DriveDescription drive_;
@@ -106,9 +114,10 @@ class GoalWay {
   bool is_aside_ = false;                      // the points lead to a place beside the way
   std::optional<double> aside_until_;          // s, simulated: it is there
   std::vector<ModelId> blockers_;              // that were in the way to this goal, the last one at the end
-  std::optional<double> wait_until_;           // s, simulated: what is in the way may have moved on by then
-  std::optional<double> blocked_since_;        // s, simulated: not moved on since
-  Vec2 blocked_at_{0.0, 0.0};                  // m, W
+  std::optional<ModelId> on_way_;        // of the last search that found no way: the first body on that without it
+  std::optional<double> wait_until_;     // s, simulated: what is in the way may have moved on by then
+  std::optional<double> blocked_since_;  // s, simulated: not moved on since
+  Vec2 blocked_at_{0.0, 0.0};            // m, W
 };
 
 }  // namespace troupe

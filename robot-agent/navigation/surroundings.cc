@@ -69,4 +69,9 @@ std::optional<ContactAhead> FindContactAhead(const Surroundings& around, RobotId
   return ContactAhead{*contact->other, contact->time};
 }
 
+ModelId RootOf(const Surroundings& around, ModelId model) {
+  while (const std::optional<ModelId> parent = around.world().model(model).parent) model = *parent;
+  return model;
+}
+
 }  // namespace troupe

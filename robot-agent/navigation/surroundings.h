@@ -39,6 +39,9 @@ struct ContactAhead {
 std::optional<ContactAhead> FindContactAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
                                              const Vec2& direction, double way);
 
+// The root of the model that a link or a part belongs to.
+ModelId RootOf(const Surroundings& around, ModelId model);
+
 // A controller that sees the other bodies of its world.
 class RobotWatcher {
  public:

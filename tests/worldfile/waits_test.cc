@@ -150,13 +150,17 @@ TEST(PlannedWaits, ARobotWithoutAWayIsToldAndTheLogIsNotFlooded) {
 
 TEST(Waits, ForADoorThatOpensHaveIt) {
   test::TemporaryFolder folder;
-  for (const char* const parameters : {R"({"places": ["b"]})", R"({"places": ["b"], "planned": true})"}) {
-    WorldDescription world = LoadOnLanes(folder, kGatedLane, OnLanes("r1", parameters));
+  for (
+      const std::string& robot :
+      {OnLanes("r1", R"({"places": ["b"]})"), OnLanes("r1", R"({"places": ["b"], "planned": true})"),
+       std::string(
+           R"({"name": "r1", "controller": {"name": "go_to", "parameters": {"waypoints": [[5, 0]], "plan": true}}})")}) {
+    WorldDescription world = LoadOnLanes(folder, kGatedLane, robot);
     world.doors[0].opening = 0.0;  // it opens for no robot by itself
     world.doors[0].detection_radius = 0.0;
     ScenarioRun run(std::move(world));
     for (int i = 0; i < 50 && TextOfSignal(run, "robots", "blocked_by", 0) != "gate"; ++i) run.Run(1);
-    EXPECT_EQ(TextOfSignal(run, "robots", "blocked_by", 0), "gate") << parameters;
+    EXPECT_EQ(TextOfSignal(run, "robots", "blocked_by", 0), "gate") << robot;
     EXPECT_EQ(NumberOfSignal(run, "doors", "waiting_robots", 0), 1.0);
     run.Run(100);
     EXPECT_EQ(NumberOfSignal(run, "doors", "waiting_robots", 0), 0.0) << "it is open";
@@ -193,6 +197,59 @@ TEST(Waits, ForALiftAreCountedAtIt) {
     if (place.kind == "lift") seconds += place.seconds;
   }
   EXPECT_NEAR(seconds, 0.1 * at_lifts, 0.2) << "robot-seconds, but for the first tick";
+}
+
+// A room of 1 m by 8 m, in which nothing can be passed. `more`: models; `things`: keys of the scenario.
+WorldDescription LoadCorridor(const test::TemporaryFolder& folder, const std::string& controller,
+                              const std::string& more, const std::string& things) {
+  folder.Write("s.building.yaml", kOneWay);
+  const auto wall = [](const std::string& name, const std::string& pose, const std::string& size) {
+    return R"({"name": ")" + name + R"(", "model": "model", "pose": )" + pose + R"(, "properties": {"size": )" + size +
+           "}}";
+  };
+  const std::string walls =
+      wall("north", "[3, 0.6, 0]", "[8.4, 0.2, 1]") + ", " + wall("south", "[3, -0.6, 0]", "[8.4, 0.2, 1]") + ", " +
+      wall("west", "[-1.1, 0, 0]", "[0.2, 1, 1]") + ", " + wall("east", "[7.1, 0, 0]", "[0.2, 1, 1]") + more;
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerNeeds;
+  return test::ValueOf(
+             LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "models": [)" + walls + "]" + things +
+                                                  R"(, "robots": [{"name": "r1", "controller": )" + controller + "}]}"),
+                       overrides))
+      .world;
+}
+
+constexpr const char* kGoTo = R"({"name": "go_to", "parameters": {"waypoints": [[6, 0]], "plan": true}})";
+constexpr const char* kPatrol = R"({"name": "patrol", "parameters": {"waypoints": [[6, 0], [0, 0]], "plan": true}})";
+
+TEST(WaitsOfGoTo, NameTheRobotPersonOrObjectInTheWay) {
+  test::TemporaryFolder folder;
+  struct Thing {
+    std::string name;
+    const char* models;
+    const char* keys;
+  };
+  const Thing things[] = {
+      {"bela0", "",
+       R"(, "spawn": [{"model": "TinyRobot", "count": 1, "region": [2.9, -0.1, 3.1, 0.1], "name_prefix": "bela"}])"},
+      {"box",
+       R"(, {"name": "box", "model": "model", "pose": [3, 0, 0], "properties": {"size": [0.5, 0.5, 0.5], "gripper_return": 1}})",
+       ""},
+      {"carl1", "", R"(, "people": [{"count": 1, "region": [2.9, -0.05, 3.1, 0.05], "name_prefix": "carl"}])"}};
+  for (const char* const controller : {kGoTo, kPatrol}) {
+    for (const Thing& thing : things) {
+      SCOPED_TRACE(thing.name + " " + controller);
+      ScenarioRun run(LoadCorridor(folder, controller, thing.models, thing.keys));
+      RunUntilWait(run, 200);
+      ASSERT_FALSE(run.state().waits.empty());
+      run.Run(20);
+      EXPECT_EQ(TextOfSignal(run, "robots", "blocked_by", 0), thing.name);
+      EXPECT_NEAR(NumberOfSignal(run, "robots", "wait_time", 0), 2.0, 1e-9);
+      run.Run(400);
+      EXPECT_GE(CountEvents(run, EventType::kWaitBegan), 1u);
+    }
+  }
 }
 
 }  // namespace
