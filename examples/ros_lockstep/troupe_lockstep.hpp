@@ -74,7 +74,7 @@ class LockstepExecutor {
         RunTick(tick);
         last_ = id;
       }
-      Answer();
+      Answer(tick);
     }
   }
 
@@ -216,9 +216,9 @@ class LockstepExecutor {
     }
   }
 
-  void Answer() {
+  void Answer(const Tick& tick) {
     std_msgs::msg::Header answer = *tick_;
-    answer.frame_id = name_;
+    answer.frame_id = name_ + " edition:" + std::to_string(tick.edition);
     tick_.reset();
     done_->publish(answer);
   }

@@ -184,7 +184,7 @@ class LockstepExecutor:
                 self._last = (tick.stamp, tick.edition)
             if self._ticks[-1] is tick.header:
                 self._ticks.clear()
-            self._done.publish(Header(stamp=tick.header.stamp, frame_id=self._name))
+            self._done.publish(Header(stamp=tick.header.stamp, frame_id=f"{self._name} edition:{tick.edition}"))
 
 
 def spin(nodes, name, needs=()):

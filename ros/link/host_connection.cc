@@ -334,7 +334,15 @@ void HostConnection::Tell(const TopicWriter& writer, const void* header, const T
   ++tells_;
   watched_.is_told = false;
   watched_.held_for.reset();
+  watched_.calling.clear();
   SendTell();
+  FlushNow();
+}
+
+void HostConnection::Await(const std::set<std::uint32_t>& awaited) {
+  const std::lock_guard lock(mutex_);
+  newest_awaited_ = ToBytes(awaited);
+  Send(LinkKind::kAwait, 0, newest_awaited_);
   FlushNow();
 }
 
@@ -405,6 +413,7 @@ bool HostConnection::Open() {
   must_show_again_ = false;
   watched_.timed.clear();
   watched_.held_for.reset();
+  watched_.calling.clear();
   Send(LinkKind::kHello, 0, BytesOf(ToText(HelloText{VersionText(), domain_, sending_ == Sending::kByFlush})));
   // In the sequence of making: nodes before their endpoints.
   for (const Made& made : made_) Send(LinkKind::kMake, made.id, BytesOf(made.text));
@@ -521,6 +530,7 @@ void HostConnection::Process(const LinkMessage& message) {
     case LinkKind::kTimed:
     case LinkKind::kTold:
     case LinkKind::kHeld:
+    case LinkKind::kCalling:
       return ProcessWatched(message);
     case LinkKind::kShowAgain:
       must_show_again_ = true;
@@ -545,6 +555,10 @@ void HostConnection::ProcessWatched(const LinkMessage& message) {
   }
   if (message.kind == LinkKind::kHeld) {
     watched_.held_for = ToIds(message.content);
+    return;
+  }
+  if (message.kind == LinkKind::kCalling) {
+    watched_.calling = ToIds(message.content);
     return;
   }
   if (message.kind == LinkKind::kTimed) {

@@ -84,6 +84,8 @@ class HostConnection final : public RosConnection {
   // reader loses what has arrived before that: it is no answer.
   void Tell(const TopicWriter& writer, const void* header, const TopicReader& answers,
             const std::set<std::uint32_t>& awaited);
+  // The tick of the newest Tell waits for these from now on.
+  void Await(const std::set<std::uint32_t>& awaited);
   // The state of these. Lost with the program; then Arm, Collect, Tell and Watch are repeated by the connection.
   struct Watched {
     std::string armed;                // the newest text that the program knows
@@ -94,6 +96,8 @@ class HostConnection final : public RosConnection {
     bool is_told = false;           // the newest Tell has been performed
     // Until then: it is held back, if that is known, and the awaited watches without a program.
     std::optional<std::set<std::uint32_t>> held_for = {};
+    // Watches whose programs have called services: their calls wait until others have answered or have called.
+    std::set<std::uint32_t> calling = {};
   };
   Watched watched();
 

@@ -45,7 +45,7 @@ enum class LinkKind : std::uint8_t {
   kCollect,  // performs all that the other agents of the domain have sent
   kTell,     // a std_msgs/Header as CDR: writes it with the topics behind its text that have had messages since kArm:
              // "/anna/scan:1 /tf:2"; the answer is kTold, perhaps after kHeld
-  kAwait,    // before kTell: the ids of the watches that the tick waits for, 4 bytes each
+  kAwait,    // before kTell: the ids of the watches that the tick waits for, 4 bytes each; or behind it: from now on
   // To the agent.
   kMatched,   // of a writer: a MatchedContent; of a reader: it needs another one for best-effort writers
   kSample,    // of a reader, or a request of a service, as CDR
@@ -57,6 +57,7 @@ enum class LinkKind : std::uint8_t {
               // more
   kTold,      // of a writer: the sample of kTell that was written, as CDR
   kHeld,      // the tick of kTell is held back until nodes can receive it; the ids of watches without a program
+  kCalling,   // of the tick of kTell: the ids of watches whose programs have called services, and wait for others
   kShowAgain,  // the tick is to be shown again, to all readers; the answer is kShown
   kSettled,    // the answer to kSettle
   // Of the side on Fast DDS.
@@ -80,7 +81,7 @@ struct ServedContent {
   Guid writer{};
 };
 
-// The content of kAwait and of kHeld.
+// The content of kAwait, of kHeld and of kCalling.
 std::vector<std::byte> ToBytes(const std::set<std::uint32_t>& ids);
 // Any bytes are safe: the ids that fit in.
 std::set<std::uint32_t> ToIds(std::span<const std::byte> bytes);

@@ -98,6 +98,7 @@ AgentEndpoints::AgentEndpoints(Join join, int connection, std::function<void()> 
 AgentEndpoints::~AgentEndpoints() {
   if (domain_ == nullptr) return;
   const bool ticks_wait = domain_->gate.has_value();
+  for (const auto& [id, service] : services_) ReturnCalls(id);
   RetireAll(writers_, domain_->pools.writers, ticks_wait);
   for (const auto& [id, reader] : readers_) domain_->readers.Remove(reader.endpoint->topic());
   RetireAll(readers_, domain_->pools.readers, ticks_wait);
@@ -195,6 +196,7 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       return;
     case LinkKind::kAwait:
       awaited_ = ToIds(message.content);
+      if (domain_->gate) domain_->gate->Await(*this, awaited_);
       return;
     case LinkKind::kCollect:
       return Collect();
@@ -244,7 +246,7 @@ void AgentEndpoints::Tell(const LinkMessage& message) {
   if (!decoded.ok()) return Refuse(decoded.error().message);
   PrepareToWait();
   const Header& header = *static_cast<const Header*>(sample.data());
-  domain_->gate->Tell(*this, {message.id, header.stamp.sec, header.stamp.nanosec, dds::Text(header.frame_id)},
+  domain_->gate->Tell(*this, {message.id, {header.stamp.sec, header.stamp.nanosec, dds::Text(header.frame_id)}},
                       awaited_);
 }
 
@@ -253,7 +255,7 @@ void AgentEndpoints::Announce(const TickGate::Announcement& announcement, const 
   if (found == writers_.end()) return;
   dds::WireArena arena;
   Header header{};
-  header.stamp = {announcement.seconds, announcement.nanoseconds};
+  header.stamp = {announcement.tick.seconds, announcement.tick.nanoseconds};
   header.frame_id = arena.Copy(topics);
   // First, because an answer may arrive at once.
   const auto told = wire::SampleToCdr(&header, found->second.endpoint->type());
@@ -263,6 +265,10 @@ void AgentEndpoints::Announce(const TickGate::Announcement& announcement, const 
 
 void AgentEndpoints::SendHeld(const std::set<std::uint32_t>& absent) {
   Send(LinkKind::kHeld, kNothing, ToBytes(absent));
+}
+
+void AgentEndpoints::SendCalling(const std::set<std::uint32_t>& calling) {
+  Send(LinkKind::kCalling, kNothing, ToBytes(calling));
 }
 
 std::set<AgentEndpoints*> AgentEndpoints::AskToShow() {
@@ -305,7 +311,17 @@ void AgentEndpoints::MakeNode(std::uint32_t id, const std::string& name) {
   for (const std::uint32_t log : logs_) domain_->participant.ShareWriter(node, writers_.at(log).endpoint->writer());
 }
 
+void AgentEndpoints::ReturnCalls(std::uint32_t service) {
+  const auto found = services_.find(service);
+  if (found == services_.end() || !domain_->gate) return;
+  found->second.endpoint->StopPassing();
+  for (HeldCalls::Call& call : domain_->gate->TakeCalls(*this, service)) {
+    found->second.endpoint->Return(std::move(call.request), call.caller);
+  }
+}
+
 void AgentEndpoints::Remove(std::uint32_t id) {
+  ReturnCalls(id);
   logs_.erase(id);
   if (domain_->watch) domain_->watch->Remove(this, id);
   if (const auto found = readers_.find(id); found != readers_.end()) {
@@ -373,7 +389,7 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const MadeT
     if (is_repeated) return Send(LinkKind::kRepeated, id, bytes);
     TickGate* const gate = domain_->shared_gate;
     if (gate == nullptr || caller == DDS_HANDLE_NIL) return SendRequest(id, bytes);
-    gate->Call({this, id, caller, {bytes.begin(), bytes.end()}});
+    gate->Call({.agent = this, .service = id, .caller = caller, .request = {bytes.begin(), bytes.end()}});
     wake_();
   });
   services_[id] = {std::move(text), std::move(service)};

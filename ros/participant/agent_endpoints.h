@@ -164,6 +164,7 @@ class AgentEndpoints {
   void WriteSample(std::uint32_t id, std::span<const std::byte> bytes);
   // Writes /world/tick with this list of topics, for so many messages kTell, each of which has its answer.
   void Announce(const TickGate::Announcement& announcement, const std::string& topics, int tells);
+  void SendCalling(const std::set<std::uint32_t>& calling);
   // Whether its ticks wait.
   bool tells() const { return domain_ != nullptr && domain_->waiting == this; }
   void SendHeld(const std::set<std::uint32_t>& absent);
@@ -194,6 +195,8 @@ class AgentEndpoints {
   void MakeReader(std::uint32_t id, std::size_t node, const MadeText& made);
   void MakeService(std::uint32_t id, std::size_t node, const MadeText& made);
   void Remove(std::uint32_t id);
+  // Calls of the service that wait for participants are for the next agent.
+  void ReturnCalls(std::uint32_t service);
   // A sample of a writer, or a response of a service.
   void Write(const LinkMessage& message);
   const dds_topic_descriptor_t* TypeOf(const std::string& name);

@@ -180,24 +180,39 @@ void ReusableService::Attach(std::size_t node, Sink sink) {
   const std::lock_guard lock(mutex_);
   sink_ = std::move(sink);
   for (const auto& [caller, request] : unanswered_) sink_(request, true, DDS_HANDLE_NIL);
-  for (Bytes& request : std::exchange(waiting_, {})) {
-    sink_(request, false, DDS_HANDLE_NIL);
-    KeepUnanswered(std::move(request));
+  for (Waiting& waiting : std::exchange(waiting_, {})) {
+    sink_(waiting.request, false, waiting.caller);
+    KeepUnanswered(std::move(waiting.request));
   }
 }
 
 void ReusableService::Detach() {
   Unlist();
   node_.reset();
+  StopPassing();
+}
+
+void ReusableService::StopPassing() {
   const std::lock_guard lock(mutex_);
   sink_ = {};
+  returned_ = 0;
+}
+
+void ReusableService::Return(Bytes request, dds_instance_handle_t caller) {
+  const std::lock_guard lock(mutex_);
+  const auto kept = std::find_if(unanswered_.begin(), unanswered_.end(),
+                                 [&request](const auto& unanswered) { return unanswered.second == request; });
+  if (kept == unanswered_.end()) return;  // too many were not answered
+  unanswered_.erase(kept);
+  const auto next = waiting_.begin() + static_cast<std::ptrdiff_t>(std::min(returned_++, waiting_.size()));
+  waiting_.insert(next, Waiting{std::move(request), caller});
 }
 
 void ReusableService::Pass(std::span<const std::byte> request, dds_instance_handle_t caller) {
   const std::lock_guard lock(mutex_);
   Bytes bytes(request.begin(), request.end());
   if (!sink_) {
-    waiting_.push_back(std::move(bytes));
+    waiting_.push_back({std::move(bytes), caller});
     if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
     return;
   }

@@ -171,6 +171,10 @@ class ReusableService {
   // before has not answered: no client waits without end.
   void Attach(std::size_t node, Sink sink);
   void Detach();
+  // From now on requests wait for the next Attach, also those that are returned: they were passed to the sink, and by
+  // that to nothing. A returned one comes before those that wait.
+  void StopPassing();
+  void Return(std::vector<std::byte> request, dds_instance_handle_t caller);
 
   // Serves clients on Cyclone DDS, too, as the constructor does with `on_cyclone`.
   void ServeCyclone();
@@ -186,6 +190,10 @@ class ReusableService {
 
  private:
   using Bytes = std::vector<std::byte>;
+  struct Waiting {
+    Bytes request;
+    dds_instance_handle_t caller;
+  };
 
   void ListServed(const ServedContent& served);
   // Lists the endpoints as those of the node, if there is one, and no longer.
@@ -202,9 +210,10 @@ class ReusableService {
   const dds_topic_descriptor_t& response_;
   std::optional<std::size_t> node_;                      // while attached
   std::optional<ServedContent> served_;                  // by the side on Fast DDS
-  mutable std::mutex mutex_;                             // guards the three below
+  mutable std::mutex mutex_;                             // guards the four below
   Sink sink_;                                            // while attached
-  std::deque<Bytes> waiting_;                            // requests
+  std::size_t returned_ = 0;                             // since StopPassing, at the begin of the one below
+  std::deque<Waiting> waiting_;                          // requests
   std::deque<std::pair<CallHeader, Bytes>> unanswered_;  // that an agent was passed
   FastDdsSide* const fast_dds_;
   std::uint32_t fast_id_ = 0;          // with fast_dds_

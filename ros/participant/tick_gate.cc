@@ -107,9 +107,15 @@ void TickGate::Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWrit
   if (held_bytes_ > kMaxHeld) Open();
 }
 
-void TickGate::Tell(AgentEndpoints& agent, Announcement announcement, std::set<std::uint32_t> awaited) {
+void TickGate::Tell(AgentEndpoints& agent, const Announcement& announcement, std::set<std::uint32_t> awaited) {
   ++tells_;
-  told_ = Told{&agent, std::move(announcement), std::move(awaited)};
+  told_ = Told{&agent, announcement, std::move(awaited)};
+  Update();
+}
+
+void TickGate::Await(const AgentEndpoints& agent, const std::set<std::uint32_t>& awaited) {
+  if (!told_ || told_->agent != &agent) return;
+  told_->awaited = awaited;
   Update();
 }
 
@@ -130,7 +136,6 @@ void TickGate::Remove(AgentEndpoints& agent) {
   if (told_ && told_->agent == &agent) told_.reset();
   if (agent.tells()) tells_ = 0;
   asked_.erase(&agent);
-  calls_.Remove(agent);
   UpdateBy(Clock::now());
 }
 
@@ -155,21 +160,26 @@ void TickGate::Update() {
   due_.reset();
   const Time now = Clock::now();
   UpdateTick(now);
-  UpdateCalls(now);
+  UpdateCalls();
 }
 
 // A node may call once it has one message of the tick: before the tick is told, while it is not known yet which
 // participants it waits for.
-void TickGate::UpdateCalls(Time now) {
-  if (calls_.IsEmpty()) return;  // nearly always: what is missing need not be found
-  const bool is_told = told_ && told_->is_written;
-  std::set<std::string> missing;
-  if (is_told) {
-    missing = watch_.FindMissing(told_->agent, told_->awaited);
+void TickGate::UpdateCalls() {
+  const bool has_calls = !calls_.IsEmpty();
+  watch_.WakeOnArrival(has_calls);  // before it is asked what has arrived
+  if (!has_calls) return;           // nearly always: what is missing need not be found
+  watch_.Update();                  // the writers of a caller are known before its call
+  HeldCalls::Tick tick{.waiting = watch_.FindWaiting(), .is_told = told_ && told_->is_written};
+  if (tick.is_told) {
+    tick.missing = watch_.FindMissing(told_->agent, told_->awaited);
   } else if (is_shown_ && !is_closed_) {
-    missing = watch_.FindMissing(nullptr, {});
+    tick.missing = watch_.FindMissing(nullptr, {});
   }
-  if (const std::optional<Time> due = calls_.Update(std::move(missing), is_told, now)) UpdateBy(*due);
+  const std::set<std::string> calling = calls_.Update(tick);
+  if (!tick.is_told) return;
+  const std::set<std::uint32_t> ids = watch_.IdsOf(told_->agent, calling);
+  if (std::exchange(told_->calling, ids) != ids) told_->agent->SendCalling(ids);
 }
 
 void TickGate::UpdateTick(Time now) {
@@ -296,17 +306,19 @@ void TickGate::Open() {
   held_bytes_ = 0;
   for (const Held& held : std::exchange(round_.held, {})) held.agent->WriteSample(held.writer, held.bytes);
   if (!told_ || std::exchange(told_->is_written, true)) return;
+  watch_.Announce(told_->announcement.tick);
   told_->agent->Announce(told_->announcement, ListOfTopics(), std::exchange(tells_, 0));
 }
 
 std::string TickGate::ListOfTopics() const {
-  std::string list = told_->announcement.edition;
-  const std::int64_t time = std::int64_t{told_->announcement.seconds} * 1'000'000'000 + told_->announcement.nanoseconds;
+  const TopicWatch::Announced& tick = told_->announcement.tick;
+  std::string list = tick.edition;
+  const std::int64_t time = std::int64_t{tick.seconds} * 1'000'000'000 + tick.nanoseconds;
   std::string stamps;
   for (const auto& [on_dds, count] : round_.counts) {
     const std::string topic = TopicToTell(on_dds);
     if (topic.empty() || count.messages == 0) continue;
-    list += fmt::format("{}{}:{}", list.empty() ? "" : " ", topic, count.messages);
+    list += fmt::format(" {}:{}", topic, count.messages);
     if (count.stamp && *count.stamp != time) stamps += fmt::format(" @{}:{}", topic, *count.stamp);
   }
   return list + stamps;

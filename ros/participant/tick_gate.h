@@ -53,9 +53,7 @@ class TickGate {
   // The content of /world/tick without its list of topics.
   struct Announcement {
     std::uint32_t writer = 0;  // of the agent that has it
-    std::int32_t seconds = 0;
-    std::uint32_t nanoseconds = 0;
-    std::string edition;  // the first entry of the list
+    TopicWatch::Announced tick;
   };
 
   // Both outlive this.
@@ -70,7 +68,9 @@ class TickGate {
   void Write(AgentEndpoints& agent, std::uint32_t id, const ReusableWriter& writer, std::span<const std::byte> bytes,
              bool is_again);
   // All agents have shown the tick, which waits for these watches of the agent: nodes are to know of it.
-  void Tell(AgentEndpoints& agent, Announcement announcement, std::set<std::uint32_t> awaited);
+  void Tell(AgentEndpoints& agent, const Announcement& announcement, std::set<std::uint32_t> awaited);
+  // The tick that the agent has told waits for these from now on.
+  void Await(const AgentEndpoints& agent, const std::set<std::uint32_t>& awaited);
   // The agent has shown the tick again.
   void OnShown(AgentEndpoints& agent);
   void Remove(AgentEndpoints& agent);
@@ -78,6 +78,10 @@ class TickGate {
   void NoteReader();
   // A service of an agent is called. Update follows. From any thread.
   void Call(HeldCalls::Call call) { calls_.Add(std::move(call)); }
+  // The calls of the agent's service that were not passed on.
+  std::vector<HeldCalls::Call> TakeCalls(const AgentEndpoints& agent, std::uint32_t service) {
+    return calls_.Take(agent, service);
+  }
   // Continues, if what it waited for has come.
   void Update();
   // When it is to be called in any case.
@@ -108,10 +112,11 @@ class TickGate {
     std::set<std::uint32_t> awaited;                     // watches
     bool is_written = false;                             // nodes know of the tick
     std::optional<std::set<std::uint32_t>> absent = {};  // as the agent knows them
+    std::set<std::uint32_t> calling = {};                // the same of those whose calls wait
   };
 
   void UpdateTick(Time now);
-  void UpdateCalls(Time now);
+  void UpdateCalls();
   std::vector<TopicWatch::Unheard> FindAwaited() const;
   // Whether all programs are there; tells the agent which are not.
   bool ArePresent(const std::vector<TopicWatch::Unheard>& unheard, Time now);

@@ -6,7 +6,7 @@
 #include "ros/connection/dds_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
-#include "ros/messages/messages.h"
+#include "ros/messages/tick_answer.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/loaned_samples.h"
 #include "transport/dds/binding/wire.h"
@@ -67,7 +67,7 @@ struct TopicWatch::AnyReader {
 // Of the answers of nodes.
 struct TopicWatch::AnswerReader {
   AnswerReader(const RosParticipant& participant,
-               std::function<void(const std::string& node, dds_instance_handle_t writer)> on_answer)
+               std::function<void(const Header& answer, dds_instance_handle_t writer)> on_answer)
       : notify(std::move(on_answer)),
         topic(participant.participant(), kAnswerTopic),
         reader(participant.subscriber(), topic,
@@ -83,15 +83,13 @@ struct TopicWatch::AnswerReader {
       const auto samples = reader.take();
       if (samples.empty()) return;
       for (const auto sample : samples) {
-        if (sample.info().valid()) {
-          notify(std::string(dds::Text(sample.data().frame_id)), sample.info().publication_handle());
-        }
+        if (sample.info().valid()) notify(sample.data(), sample.info().publication_handle());
       }
     }
   }
 
   static constexpr std::int32_t kAnswerDepth = 1000;  // of many nodes
-  const std::function<void(const std::string&, dds_instance_handle_t)> notify;
+  const std::function<void(const Header&, dds_instance_handle_t)> notify;
   dds::Topic<Header> topic;
   dds::DataReader<Header> reader;
 };
@@ -119,11 +117,8 @@ void TopicWatch::Add(const void* owner, std::uint32_t id, const std::string& wat
     watches_.emplace(watched, Watch{owner, id, std::move(callbacks)});
   }
   if (IsNode(watched) && !answers_) {
-    answers_ =
-        std::make_unique<AnswerReader>(participant_, [this](const std::string& node, dds_instance_handle_t writer) {
-          NoteWriter(node, writer);
-          Note(node);
-        });
+    answers_ = std::make_unique<AnswerReader>(
+        participant_, [this](const Header& answer, dds_instance_handle_t writer) { NoteAnswer(answer, writer); });
   }
   // Others show the endpoints that are known already again.
   listener_.on_data_available = wake_;
@@ -180,6 +175,11 @@ void TopicWatch::Arm(const std::string& text) {
     }
   }
   EndUnwatchedReaders();
+}
+
+void TopicWatch::Announce(const Announced& announced) {
+  const std::lock_guard lock(mutex_);
+  round_.announced = announced;
 }
 
 void TopicWatch::Update() {
@@ -267,6 +267,25 @@ std::set<std::string> TopicWatch::FindMissing(const void* owner, const std::set<
     if (is_meant && !round_.arrived.contains(watched)) missing.insert(watched);
   }
   return missing;
+}
+
+std::set<std::string> TopicWatch::FindWaiting() {
+  const std::lock_guard lock(mutex_);
+  return round_.waiting;
+}
+
+bool TopicWatch::IsHeard(const std::string& watched) {
+  const std::lock_guard lock(mutex_);
+  return heard_.contains(watched);
+}
+
+std::set<std::uint32_t> TopicWatch::IdsOf(const void* owner, const std::set<std::string>& watched) {
+  const std::lock_guard lock(mutex_);
+  std::set<std::uint32_t> ids;
+  for (const auto& [name, watch] : watches_) {
+    if (watch.owner == owner && watched.contains(name)) ids.insert(watch.id);
+  }
+  return ids;
 }
 
 std::set<std::string> TopicWatch::WatchedOf(dds_instance_handle_t program, bool& may_be_node) {
@@ -378,17 +397,36 @@ void TopicWatch::TellTimed() {
 
 void TopicWatch::NoteWriter(const std::string& watched, dds_instance_handle_t writer) {
   const std::lock_guard lock(mutex_);
-  // A topic may have lost its watches with the process that had them. A name of a node may be any text.
-  if (!IsNode(watched) || watches_.contains(watched)) heard_[watched] = writer;
+  heard_[watched] = writer;  // also if the topic has lost its watches with the process that had them
 }
 
 void TopicWatch::Note(const std::string& watched) {
   const std::lock_guard lock(mutex_);
+  NoteArrival(watched);
+}
+
+void TopicWatch::NoteArrival(const std::string& watched) {
   const auto [begin, end] = watches_.equal_range(watched);
-  if (begin == end && IsNode(watched)) return;  // any text
   if (begin != end) heard_.try_emplace(watched, DDS_HANDLE_NIL);
   if (round_.text.empty() || !round_.arrived.insert(watched).second) return;
   for (auto watch = begin; watch != end; ++watch) watch->second.callbacks.on_arrival(round_.text);
+  if (wakes_on_arrival_.load()) wake_();
+}
+
+// An answer to another tick, or to the announcement before an edit, is a sign of its node and no more.
+void TopicWatch::NoteAnswer(const Header& header, dds_instance_handle_t writer) {
+  const TickAnswer answer = ParseTickAnswer(dds::Text(header.frame_id));
+  const std::lock_guard lock(mutex_);
+  if (!IsNode(answer.name) || !watches_.contains(answer.name)) return;  // any text
+  heard_[answer.name] = writer;
+  const std::optional<Announced>& announced = round_.announced;
+  const bool is_to_tick = announced && header.stamp.sec == announced->seconds &&
+                          header.stamp.nanosec == announced->nanoseconds &&
+                          (answer.edition.empty() || answer.edition == announced->edition);
+  if (!is_to_tick) return;
+  if (!answer.waits) return NoteArrival(answer.name);
+  round_.waiting.insert(answer.name);
+  if (wakes_on_arrival_.load()) wake_();
 }
 
 }  // namespace troupe::ros

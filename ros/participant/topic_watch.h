@@ -19,12 +19,14 @@
 
 #include <dds/dds.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -32,6 +34,7 @@
 #include <vector>
 
 #include "ros/connection/ros_participant.h"
+#include "ros/messages/messages.h"
 #include "transport/dds/binding/domain_participant.h"
 #include "transport/dds/binding/entity.h"
 
@@ -88,6 +91,12 @@ class TopicWatch {
   TopicWatch& operator=(const TopicWatch&) = delete;
 
   using Time = std::chrono::steady_clock::time_point;
+  // An announcement of a tick on /world/tick.
+  struct Announced {
+    std::int32_t seconds = 0;
+    std::uint32_t nanoseconds = 0;
+    std::string edition;  // its first entry, "edition:3"
+  };
   // A watch that is not heard.
   struct Unheard {
     const void* owner;
@@ -107,6 +116,10 @@ class TopicWatch {
   void RemoveAll(const void* owner);
   // The messages that were noted for the text are told, if it is the newest one or the one before.
   void Arm(const std::string& text);
+  // Nodes are told of the tick whose text is armed: from now on an answer of theirs counts, if it is one to this.
+  void Announce(const Announced& announced);
+  // Whether each message and each answer that counts calls `wake`, too.
+  void WakeOnArrival(bool wakes) { wakes_on_arrival_.store(wakes); }
   // Follows the writers that have become known or have ended: makes readers of topics whose types are known now.
   void Update();
 
@@ -122,6 +135,12 @@ class TopicWatch {
   // The topics and nodes without a message for the armed text: among these watches of the owner, or, for null, among
   // all.
   std::set<std::string> FindMissing(const void* owner, const std::set<std::uint32_t>& ids);
+  // The nodes that make no call for the armed text until others have answered or have called.
+  std::set<std::string> FindWaiting();
+  // Whether a message of this topic or node has come, and its writer has not ended.
+  bool IsHeard(const std::string& watched);
+  // The watches of the owner of these topics and nodes.
+  std::set<std::uint32_t> IdsOf(const void* owner, const std::set<std::string>& watched);
   // What a program writes that is watched: topics, and the nodes that are known by their answers. `may_be_node`: it may
   // answer as a node that is not known.
   std::set<std::string> WatchedOf(dds_instance_handle_t program, bool& may_be_node);
@@ -138,8 +157,10 @@ class TopicWatch {
     bool is_timed = false;  // as it was told
   };
   struct Round {
-    std::string text;               // empty: none was armed
-    std::set<std::string> arrived;  // topics
+    std::string text;                         // empty: none was armed
+    std::set<std::string> arrived;            // topics, and nodes that have answered
+    std::optional<Announced> announced = {};  // once nodes are told
+    std::set<std::string> waiting = {};       // nodes
   };
   struct Writer {
     std::string topic;
@@ -156,6 +177,9 @@ class TopicWatch {
   };
 
   void Note(const std::string& watched);
+  // REQUIRES: mutex_ is held.
+  void NoteArrival(const std::string& watched);
+  void NoteAnswer(const Header& answer, dds_instance_handle_t writer);
   void NoteWriter(const std::string& watched, dds_instance_handle_t writer);
   void FollowWriters();
   void FollowReaders();
@@ -184,6 +208,7 @@ class TopicWatch {
   std::multimap<std::string, Watch> watches_;  // by topic or node
   // The writer of the newest message; null: it is not known.
   std::map<std::string, dds_instance_handle_t> heard_;
+  std::atomic<bool> wakes_on_arrival_ = false;
   dds::DataReaderListener listener_;
   dds::Entity publications_;   // a reader of discovered writers
   dds::Entity subscriptions_;  // of discovered readers

@@ -70,6 +70,8 @@ class LockstepNode {
     halt_at_ = kNever;
     Notify();
   }
+  // Says of a tick at which it halts that it makes no call before others.
+  void WaitForOthers() { waits_for_others_ = true; }
   // Answers beside its own, which no tick may count.
   void SendWrongAnswers() { is_wrong_ = true; }
   const ros::RosParticipant& participant() const { return participant_; }
@@ -167,6 +169,8 @@ class LockstepNode {
     std::optional<Tick> shown;
     std::optional<ros::Time> stamp;
     bool has_scan = false;
+    std::string edition;
+    std::string said;          // that it waits for others, to the announcement of this edition
     std::optional<Tick> done;  // by this node
     while (!stop_) {
       {
@@ -184,6 +188,7 @@ class LockstepNode {
         stamp = tick.stamp;
         const std::lock_guard lock(mutex_);
         lists_ = dds::Text(tick.frame_id);
+        edition = lists_.substr(0, lists_.find(' '));
         has_scan = (" " + lists_).find(" " + options_.space + "/scan:") != std::string::npos;
         // The tick again is answered again. After an earlier one, as of a next run, the node knows nothing.
         if (options_.way == Way::kProtocol && done && *done >= *shown) done.reset();
@@ -198,12 +203,17 @@ class LockstepNode {
         continue;
       }
       if (!commands.wanted()) continue;
-      if (!answers.wanted() || !shown || done == shown || *shown >= halt_at_) continue;
+      if (!answers.wanted() || !shown || done == shown) continue;
+      if (*shown >= halt_at_) {
+        const bool is_new = waits_for_others_ && std::exchange(said, edition) != edition;
+        if (is_new) Answer(answers, options_.name + " " + edition + " waits", *stamp);
+        continue;
+      }
       if (scanned != shown && (has_scan || !done)) continue;  // of the first tick the scan is repeated for this node
       Delay(random);
       if (is_wrong_) SendWrong(answers, *shown);
       if (scanned == shown) commands.Write(command);
-      Answer(answers, options_.name, *stamp);
+      Answer(answers, options_.name + " " + edition, *stamp);
       if (is_wrong_) Answer(answers, options_.name, *stamp);
       done = shown;
       answered_ = *done;
@@ -254,6 +264,8 @@ class LockstepNode {
     if (tick > 0) Answer(answers, options_.name, stamp_of(tick - 1));
     Answer(answers, options_.name, {-7, 4'000'000'000U});
     Answer(answers, "", stamp_of(tick));
+    Answer(answers, options_.name + " edition:999999", stamp_of(tick));
+    Answer(answers, options_.name + " waits waits", stamp_of(tick));
     Answer(answers, std::string(300, '\x01'), stamp_of(tick));
   }
 
@@ -265,6 +277,7 @@ class LockstepNode {
   std::string lists_;
   std::atomic<bool> stop_ = false;
   std::atomic<bool> is_wrong_ = false;
+  std::atomic<bool> waits_for_others_ = false;
   std::atomic<Tick> halt_at_ = kNever;
   std::atomic<Tick> shown_ = kNever;
   std::atomic<Tick> answered_ = 0;
@@ -300,6 +313,11 @@ class LockstepRunTest : public testing::Test {
     return reference;
   }
   ControlReply Call(const control::Request& request) const { return CallRun(session_, request); }
+  // Each tick is a chain of processes, which take turns on a busy machine.
+  template <typename Condition>
+  static bool Eventually(Condition condition, double seconds = kSeconds) {
+    return test::Eventually(condition, seconds);
+  }
 
   TemporaryFolder folder_;
   const std::string session_ = TestSession("lockstep");

@@ -90,7 +90,7 @@ class Answering(Driver):
             self.commands.wait_for_all_acked(Duration(seconds=60))
             self.received = 0
         self.last, self.tick = key, None
-        self.done.publish(Header(stamp=tick.stamp, frame_id=self.get_name()))
+        self.done.publish(Header(stamp=tick.stamp, frame_id=f"{self.get_name()} edition:{entries['edition']}"))
 
 
 def main():

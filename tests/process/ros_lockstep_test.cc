@@ -138,7 +138,7 @@ TEST_F(RosLockstepTest, ASilentNodeIsNamedAndEndsTheRunAtTheLimit) {
   LockstepNode driver({});
   driver.HaltAt(20);
   Program run = RunPen(
-      Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 1.5 --summary %", {folder_.Path("summary")})));
+      Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 6 --summary %", {folder_.Path("summary")})));
   EXPECT_EQ(run.Wait(), 3) << run.output();
   EXPECT_THAT(run.output(), ContainsRegex("tick 20 has waited [0-9.]+ s for driver of ROS"));
 }
@@ -146,7 +146,7 @@ TEST_F(RosLockstepTest, ASilentNodeIsNamedAndEndsTheRunAtTheLimit) {
 TEST_F(RosLockstepTest, ARunContinuesWithoutASilentNodeIfAskedUntilItReturns) {
   LockstepNode driver({});
   driver.HaltAt(20);
-  Program run = RunPen(Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 0.5 --ros-lockstep-at-limit "
+  Program run = RunPen(Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 5 --ros-lockstep-at-limit "
                                            "continue --ticks 100000 --speed 20")));
   run.WaitForLine("tick 20 continues after");
   driver.Continue();
@@ -156,7 +156,7 @@ TEST_F(RosLockstepTest, ARunContinuesWithoutASilentNodeIfAskedUntilItReturns) {
 
 TEST_F(RosLockstepTest, TheFirstAnswerHasNoLimitAndTheStatusNamesTheNode) {
   Program run = RunPen(
-      Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 3 --summary %", {folder_.Path("summary")})));
+      Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 5 --summary %", {folder_.Path("summary")})));
   run.WaitForLine("waiting for driver");  // after 5 s
   const LockstepNode driver({});
   EXPECT_EQ(run.Wait(), 0) << run.output();
@@ -267,6 +267,36 @@ TEST_F(RosLockstepTest, CallsOfTwoNodesInATickAreExecutedInTheOrderOfTheirNamesW
   }
 }
 
+// Without that, a participant that waits for what another one does after its call would be awaited by the call.
+TEST_F(RosLockstepTest, ACallIsExecutedOnceTheOtherNodeHasSaidThatItWaits) {
+  LockstepNode alpha({.name = "alpha"});
+  LockstepNode beta({.name = "beta", .space = "/r1"});
+  for (LockstepNode* const node : {&alpha, &beta}) node->HaltAt(5);
+  SpawnClient client(alpha.participant(), "/world/spawn_entity");
+  Program run = RunPen(Arguments("", Words("--ros-lockstep alpha,beta --ros-lockstep-limit 0 --ticks 20")));
+  for (LockstepNode* const node : {&alpha, &beta}) {
+    ASSERT_TRUE(Eventually([&] { return node->shown() == 5u; }, kSeconds));
+  }
+  simulation_interfaces_srv_dds__SpawnEntity_Request_ request{};
+  request.name = Text("late");
+  request.uri = Text("rover");
+  request.initial_pose.pose = ros::ToMessage(Pose{0.0, -2.2, 0.0, 0.0});
+  const Edition edition = Call(control::GetStatus()).edition;
+  client.Send(request);
+  client.AwaitArrival();
+  std::uint8_t result = 0;
+  const auto take_result = [&] {
+    return client.Receive([&](const auto& response) { result = response.result.result; });
+  };
+  EXPECT_FALSE(take_result());
+  EXPECT_EQ(Call(control::GetStatus()).edition, edition);
+  beta.WaitForOthers();
+  EXPECT_TRUE(Eventually(take_result, kSeconds));
+  EXPECT_EQ(result, kOk);
+  for (LockstepNode* const node : {&alpha, &beta}) node->Continue();
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+}
+
 TEST_F(RosLockstepTest, ATickWaitsForATopicOfAnyTypeAndTellsOfItsMessages) {
   ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "planner");
@@ -311,7 +341,7 @@ TEST_F(RosLockstepTest, ARunWithAKilledServiceRepeatsAndReplays) {
 TEST_F(RosLockstepTest, TheLimitIsThatOfANodeThatIsSilentWhenTheServiceHasDied) {
   LockstepNode driver({});
   driver.HaltAt(20);
-  Program run = RunPen(Arguments("", Words("--lease 1 --ros-lockstep driver --ros-lockstep-limit 2")));
+  Program run = RunPen(Arguments("", Words("--lease 1 --ros-lockstep driver --ros-lockstep-limit 6")));
   ASSERT_TRUE(Eventually([&] { return driver.answered() == 19; }));
   for (const pid_t service : ChildrenWith(run, "world-service")) ASSERT_EQ(kill(service, SIGKILL), 0);
   EXPECT_EQ(run.Wait(), 3) << run.output();

@@ -23,6 +23,9 @@ inline constexpr std::uint8_t kOk = 1;
 inline constexpr std::uint8_t kNotFound = 2;
 inline constexpr std::uint8_t kFailed = 4;
 
+// s, for a call on the slowest machine.
+inline constexpr double kClientSeconds = 60.0;
+
 // The tick of pen.world, with ten ticks in a second.
 inline Tick TickOf(const ros::Time& stamp) {
   return static_cast<Tick>(stamp.sec) * 10 + stamp.nanosec / 100'000'000;
@@ -49,7 +52,7 @@ class Client {
   template <typename Check>
   void Call(const Request& request, const Check& check) {
     Send(request);
-    ASSERT_TRUE(Eventually([&] { return Receive(check); }));
+    ASSERT_TRUE(Eventually([&] { return Receive(check); }, kClientSeconds));
   }
 
   // The result of a service of simulation_interfaces.
@@ -61,17 +64,19 @@ class Client {
 
   // Sends the request without waiting for a response.
   void Send(Request request) {
-    ASSERT_TRUE(Eventually([&] {
-      return writer_.publication_matched_status().current_count > 0 &&
-             reader_.subscription_matched_status().current_count > 0;
-    }));
+    ASSERT_TRUE(Eventually(
+        [&] {
+          return writer_.publication_matched_status().current_count > 0 &&
+                 reader_.subscription_matched_status().current_count > 0;
+        },
+        kClientSeconds));
     request.client_guid = id_;
     request.sequence_number = ++calls_;
     writer_.write(request);
   }
 
   // Waits until the request has reached the server's process: up to a heartbeat long.
-  void AwaitArrival() { ASSERT_TRUE(writer_.wait_for_acknowledgments(20.0)); }
+  void AwaitArrival() { ASSERT_TRUE(writer_.wait_for_acknowledgments(kClientSeconds)); }
 
   // Passes the response to `check` if it has arrived; returns whether it has.
   template <typename Check>

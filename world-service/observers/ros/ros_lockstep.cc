@@ -11,6 +11,7 @@
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
 #include "ros/messages/names.h"
+#include "ros/messages/tick_answer.h"
 #include "transport/dds/binding/wire.h"
 
 namespace troupe {
@@ -162,6 +163,9 @@ Result<TickRelease> RosLockstepWait::Release() {
   Result<std::vector<std::string>> awaited = answers_.Awaited(Now());
   if (!awaited.ok()) return awaited.error();
   release.awaited = std::move(awaited).value();
+  if (std::exchange(drops_, answers_.drops()) != answers_.drops()) {
+    for (const auto& channel : channels_) channel->connection.Await(AwaitedOf(*channel));
+  }
   if (!is_announced && release.awaited.empty()) release.awaited.emplace_back("ROS");
   release.is_released = release.awaited.empty();
   if (release.is_released) {
@@ -285,6 +289,7 @@ bool RosLockstepWait::Advance() {
     ReadAnswers(*channel);
   }
   NoteDelivery();
+  NoteCalls();
   if (awaits) return is_told && answers_.are_complete();
   return answers_.stage() == TickAnswers::Stage::kAwaitingArming && IsArmed();
 }
@@ -307,6 +312,25 @@ void RosLockstepWait::NoteDelivery() {
   answers_.SetDelivery(delivery, absent, Now());
 }
 
+void RosLockstepWait::NoteCalls() {
+  std::set<TickAnswers::Name> calling;
+  for (const auto& channel : channels_) {
+    const std::set<std::uint32_t> ids = channel->connection.watched().calling;
+    for (const auto& [name, watch] : channel->watches) {
+      if (ids.contains(watch)) calling.emplace(channel->domain, name);
+    }
+  }
+  answers_.SetCalling(calling, Now());
+}
+
+std::set<std::uint32_t> RosLockstepWait::AwaitedOf(const Channel& channel) const {
+  std::set<std::uint32_t> awaited;
+  for (const auto& [name, watch] : channel.watches) {
+    if (answers_.is_awaited({channel.domain, name})) awaited.insert(watch);
+  }
+  return awaited;
+}
+
 // Behind all messages of the tick, and so is the time.
 void RosLockstepWait::Announce(Channel& channel) {
   channel.is_told = false;
@@ -317,26 +341,29 @@ void RosLockstepWait::Announce(Channel& channel) {
   ros::Header header{};
   dds::WireArena arena;
   header.stamp = {static_cast<std::int32_t>(ns / kNsPerSecond), static_cast<std::uint32_t>(ns % kNsPerSecond)};
-  header.frame_id = arena.Copy(fmt::format("edition:{}", edition_));
-  std::set<std::uint32_t> awaited;
-  for (const auto& [name, watch] : channel.watches) {
-    if (answers_.is_awaited({channel.domain, name})) awaited.insert(watch);
-  }
-  channel.connection.Tell(*channel.ticks, &header, *channel.answers, awaited);
+  header.frame_id = arena.Copy(EditionEntry());
+  channel.connection.Tell(*channel.ticks, &header, *channel.answers, AwaitedOf(channel));
+}
+
+std::string RosLockstepWait::EditionEntry() const {
+  return fmt::format("edition:{}", edition_);
 }
 
 void RosLockstepWait::ReadAnswers(Channel& channel) {
   const std::int64_t awaited_ns = static_cast<std::int64_t>(answers_.tick()) * interval_ns_;
   channel.answers->Drain([&](const void* sample) {
     const auto& answer = *static_cast<const ros::Header*>(sample);
-    const TickAnswers::Name name{channel.domain, PlainLine(dds::Text(answer.frame_id), kMaxNameLength)};
+    const ros::TickAnswer parsed = ros::ParseTickAnswer(dds::Text(answer.frame_id));
+    const TickAnswers::Name name{channel.domain, PlainLine(parsed.name, kMaxNameLength)};
     if (TickAnswers::IsTopic(name) || !answers_.Has(name)) {
       return reports_.Add(
           fmt::format("{}: ignored the answer of '{}', for which no tick waits", kDoneTopic, name.second));
     }
     const std::int64_t ns = std::int64_t{answer.stamp.sec} * kNsPerSecond + answer.stamp.nanosec;
     // Before the tick is told it is one to the frame before an edit.
-    if (ns == awaited_ns && channel.is_told) return answers_.OnAnswer(name, Now());
+    const bool is_of_edition = parsed.edition.empty() || parsed.edition == EditionEntry();
+    const bool counts = channel.is_told && is_of_edition && !parsed.waits;
+    if (ns == awaited_ns && counts) return answers_.OnAnswer(name, Now());
     answers_.OnOtherAnswer(name);
     if (ns == awaited_ns) return;
     reports_.Add(fmt::format("{}: ignored the answer of '{}' to {}.{:09} s, which is not the awaited tick", kDoneTopic,

@@ -91,7 +91,11 @@ class RosLockstepWait {
   // Notes what has arrived. True: the run is to ask again.
   bool Advance();
   void Announce(Channel& channel);
+  std::set<std::uint32_t> AwaitedOf(const Channel& channel) const;
   void NoteDelivery();
+  void NoteCalls();
+  // By which the announcement of the tick begins.
+  std::string EditionEntry() const;
   void ReadAnswers(Channel& channel);
 
   ros::HostConnection& of_run_;
@@ -113,7 +117,8 @@ class RosLockstepWait {
   std::string armed_;         // the newest text
   std::string armed_before_;  // the one before
   double armed_at_ = 0.0;
-  Edition edition_ = 0;  // of the tick that was published last
+  std::uint64_t drops_ = 0;  // that channels know of
+  Edition edition_ = 0;      // of the tick that was published last
   std::int64_t interval_ns_ = 0;
   std::thread thread_;  // last, because it uses all other members
 };

@@ -24,6 +24,7 @@ void TickAnswers::Publish(Tick tick, double now) {
     // One that follows the time has nothing to say to the same tick again.
     const bool stays = participant.follows_time && tick == tick_;
     if (participant.answer == Answer::kDone && !stays) participant.answer = Answer::kAwaited;
+    participant.is_calling = false;
   }
   stage_ = Stage::kAwaitingAnswers;
   tick_ = tick;
@@ -47,6 +48,13 @@ void TickAnswers::SetDelivery(Delivery delivery, const std::set<Name>& absent, d
   if (delivery_ == Delivery::kHeld && delivery == Delivery::kTold) published_at_ = now;
   delivery_ = delivery;
   absent_ = absent;
+}
+
+void TickAnswers::SetCalling(const std::set<Name>& calling, double now) {
+  for (auto& [name, participant] : participants_) {
+    const bool is_calling = calling.contains(name);
+    if (std::exchange(participant.is_calling, is_calling) && !is_calling) participant.called_until = now;
+  }
 }
 
 bool TickAnswers::are_complete() const {
@@ -87,7 +95,8 @@ Result<std::vector<std::string>> TickAnswers::Awaited(double now) {
   std::vector<std::string> names;
   bool has_new = false;
   for (auto& [name, participant] : participants_) {
-    const bool is_limited = options_.limit > 0.0 && (delivery_ != Delivery::kHeld || absent_.contains(name));
+    const bool is_limited =
+        options_.limit > 0.0 && !participant.is_calling && (delivery_ != Delivery::kHeld || absent_.contains(name));
     if (is_limited && IsAwaited(participant)) {
       if (Status end = ApplyLimit(name, participant, now); !end.ok()) return end.error();
     }
@@ -107,8 +116,16 @@ Result<std::vector<std::string>> TickAnswers::Awaited(double now) {
   return names;
 }
 
+std::string TickAnswers::CallsThatWait() const {
+  std::string names;
+  for (const auto& [name, participant] : participants_) {
+    if (participant.is_calling) names += (names.empty() ? "; for it waits a call of " : ", ") + name.second;
+  }
+  return names;
+}
+
 Status TickAnswers::ApplyLimit(const Name& name, Participant& participant, double now) {
-  const double waited = now - published_at_;
+  const double waited = now - std::max(published_at_, participant.called_until);
   const auto& since = participant.reads_clock_since;
   if (time_stands_ && since && std::min(waited, now - *since) > options_.limit) {
     participant.follows_time = true;
@@ -118,13 +135,14 @@ Status TickAnswers::ApplyLimit(const Name& name, Participant& participant, doubl
                     tick_, name.second));
   } else if (participant.answer == Answer::kAwaited && waited > options_.limit) {
     if (options_.ends_at_limit) {
-      return Failure(
-          fmt::format("tick {} has waited {:.1f} s for {} of ROS (--ros-lockstep-limit)", tick_, waited, name.second));
+      return Failure(fmt::format("tick {} has waited {:.1f} s for {} of ROS (--ros-lockstep-limit){}", tick_, waited,
+                                 name.second, CallsThatWait()));
     }
     participant.answer = Answer::kDropped;
     participant.waited_seconds += waited;
-    report_(fmt::format("tick {} continues after {:.1f} s without {}, until that is heard of again", tick_, waited,
-                        name.second));
+    ++drops_;
+    report_(fmt::format("tick {} continues after {:.1f} s without {}, until that is heard of again{}", tick_, waited,
+                        name.second, CallsThatWait()));
   }
   return {};
 }

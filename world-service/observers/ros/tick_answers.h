@@ -94,6 +94,11 @@ class TickAnswers {
   bool Has(const Name& name) const { return participants_.contains(name); }
   bool is_awaited(const Name& name) const;
   bool are_complete() const;  // no participant is awaited
+  // The published tick holds calls of services by these, until others have answered or have called: no limit counts
+  // meanwhile for them.
+  void SetCalling(const std::set<Name>& calling, double now);
+  // How many have been dropped so far.
+  std::uint64_t drops() const { return drops_; }
   // `absent`: those among the awaited for which it is held back because no program is there that could answer.
   void SetDelivery(Delivery delivery, const std::set<Name>& absent, double now);
   // The names that the tick waits for, after the limit was applied. The error ends the run. REQUIRES: kAwaitingAnswers.
@@ -109,11 +114,15 @@ class TickAnswers {
     Answer answer = Answer::kNeverHeard;
     bool follows_time = false;
     std::optional<double> reads_clock_since = {};  // a program that writes on the topic
+    bool is_calling = false;
+    double called_until = 0.0;  // when a call of it was executed
     std::uint64_t times_last = 0;
     double waited_seconds = 0.0;
   };
 
   bool IsAwaited(const Participant& participant) const;
+  // The end of a line about one that is awaited.
+  std::string CallsThatWait() const;
   // Changes the answer of one that the tick has awaited for too long. The error ends the run.
   Status ApplyLimit(const Name& name, Participant& participant, double now);
 
@@ -122,7 +131,8 @@ class TickAnswers {
   Stage stage_ = Stage::kIdle;
   std::map<Name, Participant> participants_;
   bool has_participants_ = false;  // SetParticipants was called
-  bool has_reported_ = false;      // that the first answers are awaited
+  std::uint64_t drops_ = 0;
+  bool has_reported_ = false;  // that the first answers are awaited
   Tick tick_ = 0;
   double published_at_ = 0.0;  // or told, if it was held back
   Delivery delivery_ = Delivery::kUnknown;

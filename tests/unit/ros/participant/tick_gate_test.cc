@@ -60,6 +60,7 @@ class WaitingRun {
     connection_->Collect();
     connection_->Tell(*ticks_, &header, *answers_, awaits ? watches_ : std::set<std::uint32_t>());
   }
+  void AwaitNone() { connection_->Await({}); }
   bool is_told() { return connection_->watched().is_told; }
   bool IsTold() {
     return Eventually([this] { return is_told(); });
@@ -75,6 +76,10 @@ class WaitingRun {
   bool WasAnsweredBefore() {
     const HostConnection::Watched watched = connection_->watched();
     return watched.arrived_before == watches_ && watched.arrived.empty();
+  }
+  // Calls of all wait for others.
+  bool HoldsCalls() {
+    return Eventually([this] { return connection_->watched().calling.size() == 1; });
   }
   // Of those that have called, in the order of their calls.
   std::vector<std::uint64_t> callers() {
@@ -94,7 +99,8 @@ class WaitingRun {
   std::vector<std::uint64_t> callers_;
   RosService<simulation_interfaces_srv_dds__ResetSimulation_Request_,
              simulation_interfaces_srv_dds__ResetSimulation_Response_>
-      service_{node_, "/world/reset_simulation", [this](const RosCaller&, const auto& request) {
+      service_{node_, "/world/reset_simulation", [this](const RosCaller& caller, const auto& request) {
+                 if (caller.is_repeated) return;
                  const std::lock_guard lock(mutex_);
                  callers_.push_back(request.client_guid);
                }};
@@ -396,6 +402,136 @@ TEST_F(TickGateTest, CallsBeforeATickIsToldAreInTheOrderOfTheNamesOfTheCallers) 
   first_call.Send({});
   EXPECT_TRUE(Eventually([&] { return run.callers().size() == 2; }));
   EXPECT_THAT(run.callers(), ElementsAre(1, 2));
+}
+
+class CallsTest : public TickGateTest {
+ protected:
+  // Both have answered the tick 0; the tick 1 is told.
+  void Begin(WaitingRun& run) {
+    ASSERT_TRUE(agent_.IsWanted());
+    run.Arm("run 1 0");
+    first_.MakeCommands();
+    second_.MakeCommands();
+    agent_.Show(0);
+    run.Tell();
+    EXPECT_TRUE(agent_.ShowsAgain(0));
+    EXPECT_TRUE(run.IsTold());
+    first_.Command();
+    second_.Command();
+    EXPECT_TRUE(run.IsAnswered());
+    run.Arm("run 1 1");
+    run.Publish();
+    agent_.Show(1);
+    run.Tell();
+    EXPECT_TRUE(run.IsTold());
+  }
+
+  PlannerNode first_{"/first"};
+  PlannerNode second_{"/second"};
+  ResetClient call_{second_.participant(), "/world/reset_simulation", 2};
+};
+
+TEST_F(CallsTest, ACallIsExecutedAsSoonAsTheOtherParticipantHasAnswered) {
+  WaitingRun run(host_, {"rt/first", "rt/second"});
+  Begin(run);
+  call_.Send({});
+  EXPECT_TRUE(run.HoldsCalls());
+  EXPECT_THAT(run.callers(), IsEmpty());
+  first_.Command();
+  EXPECT_TRUE(Eventually([&] { return run.callers().size() == 1; }, 4.0));
+}
+
+TEST_F(CallsTest, ACallIsExecutedWhenTheTickWaitsForTheOtherNoLonger) {
+  WaitingRun run(host_, {"rt/first", "rt/second"});
+  Begin(run);
+  call_.Send({});
+  EXPECT_TRUE(run.HoldsCalls());
+  run.AwaitNone();
+  EXPECT_TRUE(Eventually([&] { return run.callers().size() == 1; }));
+}
+
+TEST_F(CallsTest, ACallThatWaitsIsExecutedByTheSuccessorOfTheService) {
+  std::optional<WaitingRun> run(std::in_place, host_, std::vector<std::string>{"rt/first", "rt/second"});
+  Begin(*run);
+  call_.Send({});
+  EXPECT_TRUE(run->HoldsCalls());
+  run.reset();
+  run.emplace(host_, std::vector<std::string>{"rt/first", "rt/second"});
+  run->Arm("run");
+  run->Arm("run 1 1");
+  run->Tell();
+  EXPECT_TRUE(run->HoldsCalls());
+  EXPECT_THAT(run->callers(), IsEmpty());
+  first_.Command();
+  EXPECT_TRUE(Eventually([&] { return run->callers() == std::vector<std::uint64_t>{2}; }));
+}
+
+// A node that answers ticks, and calls.
+class AnsweringNode {
+ public:
+  explicit AnsweringNode(const std::string& name, std::uint64_t id)
+      : participant_(test::TestRosNetwork()),
+        node_(MakeNode(participant_, "/", name)),
+        answers_(node_, "/world/tick_done", Stream(10)),
+        call_(participant_, "/world/reset_simulation", id) {
+    parameters_.emplace(node_, name, Parameters{});
+    participant_.Announce();
+  }
+
+  void Answer(const std::string& text) {
+    EXPECT_TRUE(Eventually([this] { return answers_.wanted(); }));
+    dds::WireArena arena;
+    Header header{};
+    header.frame_id = arena.Copy(text);
+    answers_.Write(header);
+  }
+  void Call() {
+    call_.Send({});
+    call_.AwaitArrival();
+  }
+
+ private:
+  RosParticipant participant_;
+  RosNode node_;
+  RosWriter<Header> answers_;
+  ResetClient call_;
+  std::optional<ParameterServices> parameters_;
+};
+
+TEST_F(TickGateTest, CallsOfANodeAndOfTheSuccessorOfAnotherAreInTheOrderOfTheirNames) {
+  WaitingRun run(host_, {"alpha", "beta", "gamma"});
+  ASSERT_TRUE(agent_.IsWanted());
+  const auto tell = [&](const std::string& text, int tick, bool is_held) {
+    run.Arm(text);
+    run.Publish();
+    agent_.Show(tick);
+    run.Tell();
+    if (is_held) EXPECT_TRUE(agent_.ShowsAgain(tick));
+    EXPECT_TRUE(run.IsTold());
+  };
+  AnsweringNode alpha("alpha", 1);
+  std::optional<AnsweringNode> beta(std::in_place, "beta", 2);
+  AnsweringNode gamma("gamma", 3);
+  tell("run 1 0", 0, true);
+  gamma.Call();
+  gamma.Answer("gamma edition:3");  // to another announcement
+  beta->Call();
+  EXPECT_THAT(run.callers(), IsEmpty());
+  alpha.Answer("alpha edition:4 waits");
+  EXPECT_TRUE(Eventually([&] { return run.callers().size() == 2; }));
+  alpha.Answer("alpha");
+  beta->Answer("beta edition:4");
+  gamma.Answer("gamma edition:4");
+  EXPECT_TRUE(run.IsAnswered());
+
+  beta.reset();
+  beta.emplace("beta", 2);
+  tell("run 1 1", 1, true);
+  beta->Call();
+  gamma.Call();
+  alpha.Call();
+  EXPECT_TRUE(Eventually([&] { return run.callers().size() == 5; }));
+  EXPECT_THAT(run.callers(), ElementsAre(2, 3, 1, 2, 3));
 }
 
 // The agent of a robot that is driven.

@@ -182,6 +182,27 @@ TEST_F(TickAnswersTest, TheLimitOfATickThatIsHeldBackIsThatOfThoseThatAreAbsent)
   EXPECT_THAT(Awaited(answers, 200.0), ElementsAre(HasSubstr("tick 1 has waited 100.0 s for driver")));
 }
 
+TEST_F(TickAnswersTest, TheLimitIsNotThatOfOneWhoseCallWaitsForAnotherOne) {
+  TickAnswers answers = Make({.limit = 5.0});
+  Complete(answers, 0, 0.0);
+  Publish(answers, 1, 10.0);
+  answers.SetCalling({kTopic}, 11.0);
+  EXPECT_THAT(Awaited(answers, 15.1), ElementsAre("error: tick 1 has waited 5.1 s for driver of ROS "
+                                                  "(--ros-lockstep-limit); for it waits a call of /r0/cmd_vel"));
+  answers.OnAnswer(kNode, 15.2);
+  answers.SetCalling({}, 16.0);  // it is executed
+  EXPECT_THAT(Awaited(answers, 20.9), ElementsAre("/r0/cmd_vel"));
+  EXPECT_THAT(Awaited(answers, 21.1), ElementsAre(HasSubstr("tick 1 has waited 5.1 s for /r0/cmd_vel")));
+
+  TickAnswers others = Make({.limit = 5.0, .ends_at_limit = false});
+  Complete(others, 0, 0.0);
+  Publish(others, 1, 10.0);
+  others.SetCalling({kTopic}, 11.0);
+  EXPECT_EQ(others.drops(), 0U);
+  EXPECT_THAT(Awaited(others, 15.1), ElementsAre("/r0/cmd_vel"));
+  EXPECT_EQ(others.drops(), 1U);
+}
+
 TEST_F(TickAnswersTest, WithoutALimitASilentTopicIsAwaitedWithoutEnd) {
   TickAnswers answers = Make({.limit = 0.0}, {kTopic});
   Publish(answers, 0, 0.0);
