@@ -7,6 +7,7 @@ A line of FILE is a job, {"from": PLACE, "to": PLACE}, where places are stations
 and all vehicles are at home; its exit status is 1 if a job failed.
 """
 import argparse
+import datetime
 import json
 import random
 import signal
@@ -26,6 +27,7 @@ SETTLED_SECONDS = 0.02  # without a message, before a decision
 CANDIDATES = 3          # vehicles that are tried for a job at once
 LOW, ENOUGH = 30.0, 80.0  # %: a vehicle with less charges at home, until it has enough
 REACH = 1.0             # m from a node at which a vehicle is first seen
+ASK_TOPIC, ANSWER_TOPIC = "troupe/lockstep/tick", "troupe/lockstep/done"
 
 
 class Job:
@@ -246,36 +248,43 @@ class FleetControl:
 
 
 class Connection:
-    """The messages of a broker, one after another. `loop` returns whether some have come."""
-    def __init__(self, arguments, receive):
+    """The messages of a broker, one after another. `loop` returns whether some have come; `ask` receives questions of the lockstep."""
+    def __init__(self, arguments, receive, ask=None):
         url = urllib.parse.urlsplit(arguments.broker)
         if url.scheme not in ("mqtt", "mqtts") or not url.hostname:
             raise ValueError(f"found the broker '{arguments.broker}', expected mqtt://HOST[:PORT] or mqtts://HOST[:PORT]")
         self.client, self.came, self.patience = mqtt.Client(), 0, arguments.patience
-        self.client.on_connect = lambda client, *_: client.subscribe([(f"{arguments.interface}/+/+/+/{topic}", 1)
-                                                                      for topic in ("connection", "factsheet", "state")])
+        topics = [f"{arguments.interface}/+/+/+/{topic}" for topic in ("connection", "factsheet", "state")]
+        topics += [ASK_TOPIC] if ask else []
+        self.client.on_connect = lambda client, *_: client.subscribe([(topic, 1) for topic in topics])
         self.client.on_subscribe = lambda *_: print(f"listening at {arguments.broker}", flush=True)
         self.client.on_message = self._on_message
-        self.receive = receive
+        self.receive, self.ask = receive, ask
         if url.scheme == "mqtts":
             self.client.tls_set(ca_certs=arguments.ca)
         self.client.connect(url.hostname, url.port or (8883 if url.scheme == "mqtts" else 1883))
 
     def _on_message(self, _client, _data, message):
         self.came += 1
-        self.receive(message.topic, message.payload)
+        if message.topic == ASK_TOPIC:
+            self.ask(message.payload)
+        else:
+            self.receive(message.topic, message.payload)
 
     def send(self, topic, content):
         self.client.publish(topic, json.dumps(content))
 
-    def loop(self, seconds):
-        self.came = 0
+    def exchange(self, seconds):
         if self.client.loop(seconds) != mqtt.MQTT_ERR_SUCCESS:
             time.sleep(seconds)
             try:
                 self.client.reconnect()
             except OSError:
                 pass
+
+    def loop(self, seconds):
+        self.came = 0
+        self.exchange(seconds)
         # What comes without a pause is one situation, but many fast vehicles never make one.
         end = time.monotonic() + SETTLED_SECONDS
         latest = time.monotonic() + self.patience
@@ -285,6 +294,38 @@ class Connection:
             if self.came > before:
                 end = time.monotonic() + SETTLED_SECONDS
         return self.came > 0
+
+
+class Lockstep:
+    """Decides when the run asks, after each tick in which vehicles have sent messages, and answers then.
+
+    A question that comes again is answered again. One of another service, which continues the run, brings what was sent in this tick
+    again, because the service before may have lost it.
+    """
+    def __init__(self, send):
+        self.send_to_broker = send
+        self.control, self.asked, self.sent = None, None, []
+
+    def send(self, topic, content):
+        self.sent.append((topic, content))
+        self.send_to_broker(topic, content)
+
+    def ask(self, payload):
+        try:
+            question = json.loads(payload)
+            place, service = (question["run"], question["tick"]), question["service"]
+            now = datetime.datetime.fromisoformat(question["timestamp"].replace("Z", "+00:00")).timestamp()
+        except (KeyError, TypeError, ValueError, AttributeError) as problem:
+            return self.control.tell_once(f"a question that cannot be read: {problem!r}")
+        before, self.asked = self.asked, (place, service)
+        if before is None or place != before[0]:
+            self.sent.clear()
+            self.control.decide(now)
+        elif service != before[1]:
+            for message in self.sent:
+                self.send_to_broker(*message)
+        answer = {"run": place[0], "tick": place[1]}
+        return self.send_to_broker(ANSWER_TOPIC, answer | {"leaves": True} if self.control.is_finished else answer)
 
 
 def read_jobs(arguments, layout):
@@ -324,6 +365,8 @@ def parse():
     parser.add_argument("--horizon", type=int, default=3, metavar="N", help="nodes that are shown behind these (default: 3)")
     parser.add_argument("--patience", type=float, default=0.5, metavar="S",
                         help="decide after that time even if messages keep coming (default: 0.5 s)")
+    parser.add_argument("--lockstep", action="store_true",
+                        help="decide when the run asks, for 'troupe run --vda5050-wait lockstep': equal runs on any machine")
     parser.add_argument("--load-type", default="load", help="of pick and drop")
     return parser.parse_args()
 
@@ -333,15 +376,21 @@ def main():
     try:
         layout = Layout.read(arguments.layout, arguments.vehicle_type, arguments.clearance)
         jobs = read_jobs(arguments, layout)
-        connection = Connection(arguments, lambda topic, payload: control.receive(topic, payload))
+        lockstep = Lockstep(lambda topic, content: connection.send(topic, content)) if arguments.lockstep else None
+        connection = Connection(arguments, lambda topic, payload: control.receive(topic, payload), lockstep and lockstep.ask)
     except (BadLayout, OSError, ValueError) as problem:
         print(f"error: {problem}", file=sys.stderr)
         return 2
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    control = FleetControl(layout, jobs, connection.send, arguments, lambda line: print(line, flush=True))
+    control = FleetControl(layout, jobs, (lockstep or connection).send, arguments, lambda line: print(line, flush=True))
     looked = 0.0
     try:
+        if lockstep is not None:
+            lockstep.control = control
         while not control.is_finished:
+            if lockstep is not None:
+                connection.exchange(0.5)
+                continue
             has_news = connection.loop(0.05)
             now = time.time()
             if has_news or now - looked > 1.0:

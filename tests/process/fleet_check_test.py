@@ -16,7 +16,8 @@ import xml.etree.ElementTree
 
 import paho.mqtt.client as mqtt
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+HERE = pathlib.Path(__file__).resolve()
+sys.path.insert(0, str(HERE.parent))
 from mqtt_broker import SECONDS, Broker, Listener, free_port  # noqa: E402
 
 LINE = re.compile(r"^(\S+): ([a-z0-9_]+): (\S+), (\w+): found (.*), expected (.*)$")
@@ -212,6 +213,13 @@ def check_tls(troupe, folder):
         assert status == 1 and broken_rules(output) == {"message_form"}, (status, output, errors)
         status, output, errors = run(troupe, "--vda5050", broker.url, "--vda5050-ca", folder / "other.crt", "--for", "5")
         assert status == 3 and "cannot connect to mqtts://" in errors, (status, errors)
+        # Vehicles, too.
+        for authority, expected in (("ca.crt", 0), ("other.crt", 3)):
+            done = subprocess.run([troupe, "run", HERE.parents[2] / "worlds/scenarios/vda5050.json", "--vda5050", broker.url, "--vda5050-ca",
+                                   folder / authority, "--in-process", "--headless", "--ticks", "3"], capture_output=True, text=True,
+                                  timeout=SECONDS, check=False)
+            assert done.returncode == expected, done
+        assert "has accepted 0 of 2 vehicles in 10.2 s: " in done.stderr and "TLS" in done.stderr, done.stderr
 
 
 def main():

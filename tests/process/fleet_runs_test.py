@@ -1,16 +1,19 @@
 #!/usr/bin/python3
-"""Runs of a generated warehouse with the fleet control of examples/fleet_control are equal, tick by tick: those in one process at any
-speed, with a broker that is slow, and without a broker in a replay; those with a process for each vehicle at any speed, and when the
-service was killed. The former are not compared with the latter.
+"""Runs of a generated warehouse in lockstep with the fleet control of examples/fleet_control are equal, tick by tick: in one process and
+with a process for each vehicle, at any speed, with a broker that delays each message by another time, when the service was killed, and
+without a broker in a replay.
 
-usage: fleet_runs_test.py --programs FOLDER [--vehicles N] [--ticks N] [--wait MS] [--only NAME ...]
+usage: fleet_runs_test.py --programs FOLDER [--vehicles N] [--ticks N] [--only NAME ...]
 
 Prints a row for each run: its name, the hash of its last tick, the hash of all, and its wall time.
 """
 import argparse
 import hashlib
+import itertools
+import json
 import os
 import pathlib
+import random
 import signal
 import socket
 import subprocess
@@ -19,18 +22,22 @@ import tempfile
 import threading
 import time
 
+import paho.mqtt.client as mqtt
+
 sys.dont_write_bytecode = True
 HERE = pathlib.Path(__file__).resolve()
 sys.path.insert(0, str(HERE.parent))
 from mqtt_broker import SECONDS, Broker, Listener, free_port  # noqa: E402
 
 EXAMPLE = HERE.parents[2] / "examples/fleet_control"
-DELAY = 0.05  # s, of a slow broker, each way
+DELAY = 0.2  # s, at most, of a slow broker, each way
 
 
 class SlowBroker:
-    """Passes the bytes of all connections on to a broker, and back, each some time later."""
-    def __init__(self, broker):
+    """Passes the bytes of all connections on to a broker, and back, each some time later: those of a connection in their sequence, those of
+    two connections in any. Other seeds have other delays."""
+    def __init__(self, broker, seed):
+        self.seed, self.passes = seed, itertools.count()
         self.to, self.port = broker.port, free_port()
         self.server = socket.create_server(("127.0.0.1", self.port))
         threading.Thread(target=self._accept, daemon=True).start()
@@ -50,9 +57,8 @@ class SlowBroker:
                 source.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
                 threading.Thread(target=self._pass, args=(source, sink), daemon=True).start()
 
-    @staticmethod
-    def _pass(source, sink):
-        """What came at one time goes on at one time, later by the delay."""
+    def _pass(self, source, sink):
+        draw = random.Random(f"{self.seed} {next(self.passes)}")
         waiting, ends = [], threading.Event()
         changed = threading.Condition()
 
@@ -81,7 +87,7 @@ class SlowBroker:
                 data = b""
             with changed:
                 if data:
-                    waiting.append((time.monotonic() + DELAY, data))
+                    waiting.append((time.monotonic() + draw.uniform(0.0, DELAY), data))
                 else:
                     ends.set()
                 changed.notify()
@@ -95,52 +101,85 @@ class SlowBroker:
         self.server.close()
 
 
-def kill_service(troupe, run, session):
-    """While the run is paused, so that no message is on its way."""
-    def ask(*words):
-        subprocess.run([troupe, "ctl", *words, "--session", session], check=True, capture_output=True, timeout=SECONDS)
+class Questions:
+    """The questions of the run to the fleet control: their ticks, in the sequence in which they came."""
+    def __init__(self, broker):
+        self.ticks, self.changed = [], threading.Condition()
+        self.client = mqtt.Client()
+        self.client.on_connect = lambda client, *_: client.subscribe("troupe/lockstep/tick", 1)
+        self.client.on_message = self._on_message
+        self.client.connect("127.0.0.1", broker.port)
+        self.client.loop_start()
 
-    ask("pause")
-    time.sleep(2.0)  # the fleet control has answered the last state
+    def _on_message(self, _client, _data, message):
+        with self.changed:
+            self.ticks.append(json.loads(message.payload)["tick"])
+            self.changed.notify()
+
+    def wait_for(self, is_enough):
+        with self.changed:
+            assert self.changed.wait_for(lambda: is_enough(self.ticks), SECONDS), self.ticks[-5:]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.client.disconnect()
+        self.client.loop_stop()
+
+
+def pause(troupe, session):
+    for word in ("pause", "play"):
+        subprocess.run([troupe, "ctl", word, "--session", session], check=True, capture_output=True, timeout=SECONDS)
+
+
+def kill_service(run, control, questions):
+    """While it waits for the fleet control, whose answer comes too late, and is lost."""
+    control.process.send_signal(signal.SIGSTOP)
+    questions.wait_for(lambda ticks: len(ticks) > 1 and ticks[-1] == ticks[-2])
     children = pathlib.Path(f"/proc/{run.process.pid}/task/{run.process.pid}/children").read_text().split()
     service = next(int(pid) for pid in children if b"world-service" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes())
     os.kill(service, signal.SIGKILL)
     run.wait_for("the world service has been started again")
-    ask("play")
+    control.process.send_signal(signal.SIGCONT)
 
 
 def play(arguments, folder, name):
     """A run; the text of its hash log."""
     troupe, log = arguments.programs / "troupe", folder / f"{name}.hashes"
-    options, is_slow, is_killed = RUNS[name]
+    options, is_slow, trouble = RUNS[name]
     session = f"fleet-runs-{os.getpid()}-{list(RUNS).index(name)}"
-    with Broker(folder) as broker, SlowBroker(broker) as slow:
+    with Broker(folder) as broker, SlowBroker(broker, name) as slow, Questions(broker) as questions:
         url = slow.url if is_slow else broker.url
-        wait = arguments.wait + (4000 * DELAY if is_slow else 0)
         with Listener(sys.executable, EXAMPLE / "fleet_control.py", folder / "warehouse.lif.json", "--broker", url, "--jobs",
-                      folder / "warehouse.jobs", "--vehicles", str(arguments.vehicles), "--clearance", "1.1", "--patience", "60") as control:
+                      folder / "warehouse.jobs", "--vehicles", str(arguments.vehicles), "--clearance", "1.1", "--lockstep") as control:
             control.wait_for("listening at ")
-            with Listener(troupe, "run", folder / "warehouse.json", "--vda5050", url, "--vda5050-wait", f"{wait:g}", "--headless", *options,
-                          "--ticks", str(arguments.ticks), "--hash-log", log, "--record", folder / f"{name}.mcap", "--session", session) as run:
-                if is_killed:
-                    run.wait_for("says: order")
-                    kill_service(troupe, run, session)
+            with Listener(troupe, "run", folder / "warehouse.json", "--vda5050", url, "--vda5050-wait", "lockstep", "--headless",
+                          *options, "--ticks", str(arguments.ticks), "--hash-log", log, "--record", folder / f"{name}.mcap", "--session", session) as run:
+                if trouble:
+                    questions.wait_for(lambda ticks: ticks and ticks[-1] >= arguments.ticks // 5)
+                if trouble == "kill":
+                    kill_service(run, control, questions)
+                elif trouble == "pause":
+                    pause(troupe, session)
                 lines = run.process.stdout.read()
                 assert run.process.wait(SECONDS) == 0, run.lines[-5:] + lines.splitlines()[-10:]
     return log.read_text()
 
 
 ONE, EACH = ["--in-process"], []
-RUNS = {  # options, a slow broker, a kill
-    "max": ([*ONE, "--speed", "max"], False, False),
-    "max again": ([*ONE, "--speed", "max"], False, False),
-    "speed 5": ([*ONE, "--speed", "5"], False, False),
-    "speed 1": ([*ONE, "--speed", "1"], False, False),
-    "slow broker, max": ([*ONE, "--speed", "max"], True, False),
-    "slow broker, speed 5": ([*ONE, "--speed", "5"], True, False),
-    "a process each, max": ([*EACH, "--speed", "max"], False, False),
-    "a process each, speed 5": ([*EACH, "--speed", "5"], False, False),
-    "service killed": ([*EACH, "--speed", "max"], False, True),
+RUNS = {  # options, a slow broker, trouble
+    "max": ([*ONE, "--speed", "max"], False, None),
+    "max again": ([*ONE, "--speed", "max"], False, None),
+    "speed 5": ([*ONE, "--speed", "5"], False, None),
+    "speed 1": ([*ONE, "--speed", "1"], False, None),
+    "slow broker, max": ([*ONE, "--speed", "max"], True, None),
+    "slow broker, again": ([*ONE, "--speed", "max"], True, None),
+    "a process each, max": ([*EACH, "--speed", "max"], False, None),
+    "a process each, speed 5": ([*EACH, "--speed", "5"], False, None),
+    "a process each, slow broker": ([*EACH, "--speed", "max"], True, None),
+    "paused": ([*ONE, "--speed", "1"], False, "pause"),
+    "service killed": ([*EACH, "--speed", "1"], False, "kill"),
 }
 
 
@@ -149,7 +188,6 @@ def main():
     parser.add_argument("--programs", required=True, type=pathlib.Path)
     parser.add_argument("--vehicles", type=int, default=4)
     parser.add_argument("--ticks", type=int, default=300)
-    parser.add_argument("--wait", type=int, default=300)
     parser.add_argument("--only", nargs="*")
     arguments = parser.parse_args()
     wrong = []
@@ -158,11 +196,11 @@ def main():
         subprocess.run([sys.executable, EXAMPLE / "make_warehouse.py", folder, "--vehicles", str(arguments.vehicles), "--jobs", "50", "--doors"],
                        check=True)
         names = [name for name in RUNS if not arguments.only or name in arguments.only]
-        firsts = {}
+        first = ""
 
         def compare(name, text, seconds):
-            is_one = name not in RUNS or RUNS[name][0][:1] == ONE
-            first = firsts.setdefault(is_one, text)
+            nonlocal first
+            first = first or text
             assert len(text.splitlines()) == arguments.ticks + 1, f"{name}: {len(text.splitlines())} ticks"
             whole = hashlib.sha256(text.encode()).hexdigest()[:16]
             print(f"| {name} | {text.split()[-1]} | {whole} | {seconds:.0f} s |", flush=True)

@@ -58,7 +58,7 @@ std::string OrderTo(double x) {
 class FleetClient {
  public:
   explicit FleetClient(const std::string& url) : connections_(mqtt::ParseBrokerUrl(url).value()) {
-    client_ = connections_.Add({.id = {}, .subscriptions = {"uagv/v2/Troupe/#"}}).value();
+    client_ = connections_.Add({.id = {}, .subscriptions = {"uagv/v2/Troupe/#", "troupe/lockstep/tick"}}).value();
     EXPECT_TRUE(Await([&] { return connections_.IsConnected(client_); }));
   }
 
@@ -87,6 +87,9 @@ class FleetClient {
 
  private:
   void Receive(const mqtt::Message& message) {
+    if (message.topic == "troupe/lockstep/tick") {
+      connections_.Publish(client_, {"troupe/lockstep/done", message.payload, 1});
+    }
     if (message.topic == std::string(kCart) + "connection") connection_ = message.payload;
     if (message.topic == std::string(kCart) + "factsheet") has_factsheet_ = true;
     if (message.topic != std::string(kCart) + "state") return;
@@ -163,14 +166,14 @@ TEST_F(Vda5050RunTest, AVehicleThatLosesTheBrokerGoesOn) {
   run.Interrupt();
 }
 
-TEST_F(Vda5050RunTest, AFleetControlThatAnswersInTimeMakesEqualRuns) {
+TEST_F(Vda5050RunTest, AFleetControlInLockstepMakesEqualRuns) {
   std::vector<std::string> hashes;
   for (const char* const way : {"--in-process", "--robots-per-process=1"}) {
     const std::string log = folder_.Path("hashes");
     FleetClient fleet(broker_->Url());
     fleet.AnswerFirstState(OrderTo(0.0));
-    Program run = Troupe(Arguments(
-        {way, "--ticks", "200", "--speed", hashes.empty() ? "max" : "20", "--vda5050-wait", "300", "--hash-log", log}));
+    Program run = Troupe(Arguments({way, "--ticks", "200", "--speed", hashes.empty() ? "max" : "20", "--vda5050-wait",
+                                    "lockstep", "--hash-log", log}));
     ASSERT_TRUE(fleet.Await([&] { return run.HasEnded(); }));
     EXPECT_EQ(run.Wait(), 0) << run.output();
     EXPECT_EQ(fleet.state()->last_node_id, "to");
@@ -178,6 +181,19 @@ TEST_F(Vda5050RunTest, AFleetControlThatAnswersInTimeMakesEqualRuns) {
   }
   EXPECT_FALSE(hashes[0].empty());
   EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(Vda5050RunTest, ARunInLockstepSaysThatItWaitsForAFleetControl) {
+  Program run = Troupe(Arguments({"--in-process", "--vda5050-wait", "lockstep", "--ticks", "20"}));
+  EXPECT_THAT(run.WaitForLine("waits for a fleet control"), HasSubstr("VDA 5050: tick 0 waits"));
+  FleetClient fleet(broker_->Url());  // late
+  ASSERT_TRUE(fleet.Await([&] { return run.HasEnded(); }));
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+}
+
+TEST_F(Vda5050RunTest, ARunThatWaitsForQuietGoesOn) {
+  Program run = Troupe(Arguments({"--in-process", "--vda5050-wait", "1", "--ticks", "20"}));
+  EXPECT_EQ(run.Wait(), 0) << run.output();
 }
 
 TEST(Vda5050Options, AreRefusedWithOneLine) {
@@ -190,6 +206,8 @@ TEST(Vda5050Options, AreRefusedWithOneLine) {
   EXPECT_THAT(refusal({"--vda5050", "mqtt://x:0"}, 2), HasSubstr("the port '0'"));
   EXPECT_THAT(refusal({"--vda5050", "mqtt://127.0.0.1", "--vda5050-user", "/none"}, 2), HasSubstr("/none"));
   EXPECT_THAT(refusal({"--vda5050-wait", "5"}, 2), HasSubstr("--vda5050"));
+  EXPECT_THAT(refusal({"--vda5050", "mqtt://127.0.0.1", "--vda5050-wait", "soon"}, 2),
+              HasSubstr("found 'soon', expected a number from 0, or lockstep"));
   EXPECT_THAT(OutputOf(Troupe({"run", WorldPath("pen.world"), "--headless", "--vda5050", "mqtt://127.0.0.1"}), 2),
               HasSubstr("the world has no vehicle"));
   // Settings of vehicles.

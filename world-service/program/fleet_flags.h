@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "command_line/broker_options.h"
+#include "world-service/observers/fleet/answer_round.h"
 
 namespace CLI {
 class App;
@@ -13,8 +14,8 @@ class App;
 namespace troupe {
 
 struct FleetOptions {
-  BrokerOptions broker;       // without a URL: no gateway
-  double wait_seconds = 0.0;  // of wall time, for messages after a tick with a state of a vehicle
+  BrokerOptions broker;  // without a URL: no gateway
+  AnswerWait wait;
 };
 
 // --vda5050 with this help text, its relatives (command_line/broker_options.h), and --vda5050-wait. `options` must

@@ -251,7 +251,7 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
     const Result<mqtt::Broker> broker = BrokerOf(source.fleet.broker);
     if (!broker.ok()) return broker.error();
     Result<std::unique_ptr<RunObserver>> gateway =
-        MakeFleetGateway(broker.value(), source.fleet.wait_seconds, run.world(),
+        MakeFleetGateway(broker.value(), source.fleet.wait, run.world(),
                          [](const std::string& line) { PrintPlain(stderr, "{}\n", line); });
     if (!gateway.ok()) return gateway.error();
     run.fleet_gateway = std::move(gateway).value();

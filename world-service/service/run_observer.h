@@ -66,6 +66,8 @@ struct RunStart {
   const RunSettings& settings;
   const std::shared_ptr<const Scene>& scene;  // of the description as loaded, which has the seed; of a resumed run: now
   WorldControl& control;                      // valid until OnEnd returns
+  Tick tick = 0;                              // of the state with which the service begins; 0 or of a resumed run
+  Incarnation incarnation = 0;                // of the service
 };
 
 // An edit that was applied: with the description that the frame before has, it determines the next state.

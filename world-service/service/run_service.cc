@@ -422,8 +422,12 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
     if (failure.ok()) failure = outcome;
   };
   RunObservers begun;
+  const bool continues = options.resumed && options.resumed->frame;
+  const Tick tick = continues ? options.resumed->frame->state.tick : 0;
   for (RunObserver* observer : all) {
-    failure = OrFailure([&] { return observer->OnBegin({coordinator.run, options.settings, scene, driver}); });
+    failure = OrFailure([&] {
+      return observer->OnBegin({coordinator.run, options.settings, scene, driver, tick, coordinator.incarnation});
+    });
     if (!failure.ok()) break;
     // OnEnd follows for exactly those whose OnBegin succeeded, so that files of the first are closed if the second
     // fails.

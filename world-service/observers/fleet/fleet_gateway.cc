@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <cstdlib>
 #include <exception>
 #include <map>
 #include <mutex>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "common/base/identity.h"
+#include "common/base/json_tree.h"
 #include "common/base/text.h"
 #include "common/base/wake_event.h"
 #include "fleet/codec.h"
@@ -36,7 +38,15 @@ constexpr double kClosing = 2.0;                // s
 constexpr double kIdle = 0.5;                   // s
 constexpr std::size_t kMostQueued = 256;        // messages to a vehicle that wait for ticks
 constexpr std::size_t kMostOutgoing = 100'000;  // messages that wait for the thread
-constexpr double kMostWaits = 10.0;             // of the wait for answers, while they keep coming
+
+// Of the lockstep with a fleet control (docs/vda5050.md).
+constexpr char kAskTopic[] = "troupe/lockstep/tick";
+constexpr char kAnswerTopic[] = "troupe/lockstep/done";
+constexpr char kEcho[] = "echo";  // the last level of the topic of what a vehicle sends itself
+
+double Now() {
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
 
 Clock::time_point In(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -64,8 +74,8 @@ Result<std::map<std::string, fleet::VehicleSettings>> VehiclesOf(const WorldDesc
 
 class FleetGateway final : public RunObserver {
  public:
-  FleetGateway(const mqtt::Broker& broker, double wait_seconds, std::function<void(const std::string&)> lines)
-      : wait_(wait_seconds), connections_(broker, wake_.descriptor()), lines_(std::move(lines)) {}
+  FleetGateway(const mqtt::Broker& broker, const AnswerWait& wait, std::function<void(const std::string&)> lines)
+      : wait_(wait), connections_(broker, wake_.descriptor()), lines_(std::move(lines)), round_(wait) {}
 
   ~FleetGateway() override { End(); }
 
@@ -73,6 +83,10 @@ class FleetGateway final : public RunObserver {
     control_ = &start.control;
     robots_ = start.scene;
     interval_ns_ = start.scene->world().interval_ns;
+    tick_ = start.tick;
+    run_ = start.run;
+    incarnation_ = start.incarnation;
+    if (wait_.is_lockstep) ListenToAnswers();
     Follow(start.scene->world());
     if (!problem_.empty()) return Failure(problem_);
     thread_ = std::thread([this] { Run(); });
@@ -101,20 +115,23 @@ class FleetGateway final : public RunObserver {
   Status OnTick(const CommittedTick& tick) override {
     const std::lock_guard lock(mutex_);
     tick_ = tick.frame.state.tick;
-    if (!std::exchange(has_begun_, true)) wake_.Signal();
+    const bool is_first = !std::exchange(has_begun_, true);
     for (auto& [name, queued] : queued_) queued -= std::min(queued, kMaxFleetMessages);
-    bool has_state = false;
+    bool has_message = is_first;  // that vehicles are online
+    bool has_state = is_first;
     for (const Proposal& proposal : tick.proposals) {
       for (const FleetMessage& message : proposal.fleet) {
+        has_message = true;
         has_state = has_state || message.topic == FleetTopic::kState;
         if (outgoing_.size() < kMostOutgoing) outgoing_.push_back({NameOf(proposal.robot), message});
       }
     }
-    if (has_state && wait_ > 0.0) {
-      quiet_at_ = In(wait_);
-      quiet_by_ = In(wait_ * kMostWaits);
+    if (wait_.is_lockstep ? has_message : has_state) {
+      // The agents have no frame of a pause yet: an answer now would reach them a tick earlier than without the pause.
+      is_round_due_ = tick.frame.paused;
+      if (!is_round_due_) round_.Begin();
     }
-    if (!outgoing_.empty()) wake_.Signal();
+    if (is_first || !outgoing_.empty()) wake_.Signal();
     if (problem_.empty()) return {};
     return Failure(problem_);
   }
@@ -122,10 +139,13 @@ class FleetGateway final : public RunObserver {
   // The answers to the states of a tick enter the tick that is committed next.
   bool IsPrepared() override {
     const std::lock_guard lock(mutex_);
-    if (!quiet_at_) return true;
-    if (Clock::now() < std::min(*quiet_at_, quiet_by_)) return false;
-    quiet_at_.reset();
-    return true;
+    // A service that continues a run has no first tick: the fleet control is asked about the newest one again.
+    const bool continues = !std::exchange(has_begun_, true);
+    if (std::exchange(is_round_due_, false) || continues) {
+      round_.Begin();
+      wake_.Signal();
+    }
+    return round_.is_over();
   }
 
   void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition /*edition*/) override {
@@ -160,13 +180,17 @@ class FleetGateway final : public RunObserver {
     thread_.join();
   }
 
+  // Of the newest tick.
+  std::string TimestampOf(const fleet::VehicleSettings& settings) const {
+    const double milliseconds = static_cast<double>(tick_) * static_cast<double>(interval_ns_) / 1e6;
+    return fleet::FormatTimestamp(settings.epoch_ms + std::llround(milliseconds), settings.version);
+  }
+
   std::string ConnectionText(Vehicle& vehicle, fleet::ConnectionState state) {
     const fleet::VehicleSettings& settings = vehicle.settings;
-    const double milliseconds = static_cast<double>(tick_) * static_cast<double>(interval_ns_) / 1e6;
     fleet::Connection message;
-    message.header = {vehicle.header_id++,
-                      fleet::FormatTimestamp(settings.epoch_ms + std::llround(milliseconds), settings.version),
-                      fleet::VersionText(settings.version), settings.manufacturer, settings.serial_number};
+    message.header = {vehicle.header_id++, TimestampOf(settings), fleet::VersionText(settings.version),
+                      settings.manufacturer, settings.serial_number};
     message.state = state;
     return fleet::Encode(message, settings.version);
   }
@@ -200,6 +224,7 @@ class FleetGateway final : public RunObserver {
       options.subscriptions.push_back(settings.TopicOf("zoneSet"));
       options.subscriptions.push_back(settings.TopicOf("responses"));
     }
+    if (wait_.waits()) options.subscriptions.push_back(settings.TopicOf(kEcho));
     options.will = mqtt::Message{settings.TopicOf("connection"),
                                  ConnectionText(vehicle, fleet::ConnectionState::kConnectionBroken), 1, true};
     const Result<std::size_t> client = connections_.Add(options);
@@ -212,6 +237,15 @@ class FleetGateway final : public RunObserver {
     for (const std::string& topic : options.subscriptions) topics_.insert(topic);
     vehicles_.emplace(name, std::move(vehicle));
     Watch(settings.manufacturer);
+  }
+
+  void ListenToAnswers() {
+    mqtt::ClientOptions options;
+    options.id = fmt::format("troupe-lockstep-{:016x}", MakeRandomId());
+    options.subscriptions = {kAnswerTopic};
+    const Result<std::size_t> client = connections_.Add(options);
+    if (!client.ok()) return SetProblem("VDA 5050: " + client.error().message);
+    asking_ = client.value();
   }
 
   // A client without a vehicle tells of messages of a fleet control that reach none: a serial number, an interface or a
@@ -247,32 +281,97 @@ class FleetGateway final : public RunObserver {
   bool Work() {
     std::vector<Outgoing> outgoing;
     std::shared_ptr<const Scene> world;
-    double wait = kIdle;
     bool begins = false;
-    bool is_quiet = false;
+    bool ends = false;
     {
       const std::lock_guard lock(mutex_);
       wake_.Clear();
       outgoing.swap(outgoing_);
       world = std::exchange(new_world_, nullptr);
       begins = has_begun_ && !is_online_;
-      if (quiet_at_) {
-        const double left = std::chrono::duration<double>(std::min(*quiet_at_, quiet_by_) - Clock::now()).count();
-        is_quiet = left <= 0.0;
-        wait = std::clamp(left, 0.0, kIdle);
-      }
-      if (ends_ && outgoing.empty()) return false;
-      if (ends_) wait = 0.0;
+      ends = ends_;
+      if (ends && outgoing.empty()) return false;
     }
     if (begins) ComeOnline();
     if (world) Follow(world->world());
     for (const Outgoing& message : outgoing) Send(message);
-    if (is_quiet) {
-      control_->Wake();
-      wait = kShortest;
-    }
+    const double wait = ends ? 0.0 : std::clamp(Proceed(), 0.0, kIdle);
     for (const mqtt::Event& event : connections_.Wait(wait)) std::visit([this](const auto& e) { On(e); }, event);
     return true;
+  }
+
+  // Does what the wait for answers needs. Returns s until it needs more.
+  double Proceed() {
+    std::unique_lock lock(mutex_);
+    if (!outgoing_.empty()) return 0.0;  // first the messages, then what follows them
+    const double now = Now();
+    const AnswerRound::Act act = round_.Next(now);
+    const std::uint64_t token = round_.token();
+    const std::size_t missing = round_.TakeMissing();
+    const bool is_late = round_.TakeIsLate(now);
+    const double rest = round_.Rest(now);
+    lock.unlock();
+    if (missing > 0) {
+      lines_(
+          fmt::format("VDA 5050: the broker has not returned what {} sent to their topics {} for {:g} s; tick {} "
+                      "does not wait for them",
+                      CountText(missing, "vehicle"), kEcho, AnswerRound::kLongestEcho, tick_.load()));
+    }
+    if (is_late) {
+      lines_(fmt::format("VDA 5050: tick {} waits for a fleet control that answers {} with {}", tick_.load(), kAskTopic,
+                         kAnswerTopic));
+    }
+    switch (act) {
+      case AnswerRound::Act::kNone:
+        return rest;
+      case AnswerRound::Act::kEcho:
+        SendToThemselves(token);
+        return 0.0;
+      case AnswerRound::Act::kAsk:
+        Ask();
+        return rest;
+      case AnswerRound::Act::kContinue:
+        control_->Wake();
+        return kIdle;
+    }
+    return rest;
+  }
+
+  void SendToThemselves(std::uint64_t token) {
+    std::set<std::size_t> clients;
+    for (const auto& [name, vehicle] : vehicles_) {
+      const mqtt::Message message{vehicle.settings.TopicOf(kEcho), std::to_string(token)};
+      if (connections_.Publish(vehicle.client, message)) clients.insert(vehicle.client);
+    }
+    const std::lock_guard lock(mutex_);
+    round_.Echoed(std::move(clients), Now());
+  }
+
+  void Ask() {
+    const fleet::VehicleSettings& settings = vehicles_.begin()->second.settings;
+    const std::string text = fmt::format(R"({{"run": "{:016x}", "service": {}, "tick": {}, "timestamp": "{}"}})", run_,
+                                         incarnation_, tick_.load(), TimestampOf(settings));
+    connections_.Publish(*asking_, {kAskTopic, text});
+  }
+
+  // Answers to earlier questions come, too, and those that are meant for another run.
+  void OnAnswer(const std::string& text) {
+    const Result<JsonTree> tree = JsonTree::Parse(text, "");
+    if (!tree.ok() || !tree.value().root().is_object()) {
+      lines_(fmt::format("VDA 5050: found no JSON object on the topic {}", kAnswerTopic));
+      return;
+    }
+    const JsonNode* const run = tree.value().root().Find("run");
+    const JsonNode* const tick = tree.value().root().Find("tick");
+    const JsonNode* const leaves = tree.value().root().Find("leaves");
+    if (run == nullptr || run->text != fmt::format("{:016x}", run_)) return;
+    if (tick == nullptr || !tick->is_number() || tick->ToInteger<Tick>() != tick_) return;
+    const std::lock_guard lock(mutex_);
+    if (leaves != nullptr && leaves->is_true()) {
+      round_.End();
+    } else {
+      round_.Answered();
+    }
   }
 
   // The run takes orders from now on.
@@ -327,6 +426,7 @@ class FleetGateway final : public RunObserver {
     {
       const std::lock_guard lock(mutex_);
       last_reason_ = disconnected.reason;
+      round_.Lost(disconnected.client);
       changed_.notify_all();
     }
     if (!disconnected.was_connected) return;  // it was told, and the next attempt follows
@@ -337,6 +437,7 @@ class FleetGateway final : public RunObserver {
 
   void On(const mqtt::Received& received) {
     const mqtt::Message& message = received.message;
+    if (asking_ == received.client) return OnAnswer(message.payload);
     const auto robot = robot_of_.find(received.client);
     if (robot == robot_of_.end()) {
       if (topics_.contains(message.topic)) return;
@@ -349,6 +450,11 @@ class FleetGateway final : public RunObserver {
       return;
     }
     const std::string name = message.topic.substr(message.topic.rfind('/') + 1);
+    if (name == kEcho) {
+      const std::uint64_t token = std::strtoull(message.payload.c_str(), nullptr, 10);
+      const std::lock_guard lock(mutex_);
+      return round_.Returned(received.client, token);
+    }
     const std::optional<FleetTopic> topic = FindByName<FleetTopic>(name);
     if (!topic || !IsToVehicle(*topic)) return;
     std::string text = message.payload;
@@ -366,7 +472,7 @@ class FleetGateway final : public RunObserver {
         return;
       }
       ++queued;
-      if (quiet_at_) quiet_at_ = In(wait_);
+      round_.Heard(Now());
     }
     control::CommandRobot command;
     command.name = robot->second;
@@ -376,13 +482,14 @@ class FleetGateway final : public RunObserver {
     });
   }
 
-  static constexpr double kShortest = 0.001;  // s
-
-  const double wait_;  // s
+  const AnswerWait wait_;
   const WakeEvent wake_;
   std::atomic<Tick> tick_ = 0;  // the newest
   WorldControl* control_ = nullptr;
   std::int64_t interval_ns_ = 0;
+  RunId run_ = 0;
+  Incarnation incarnation_ = 0;
+  std::optional<std::size_t> asking_;  // the client that asks for answers
 
   // Of the thread.
   mqtt::Connections connections_;
@@ -405,9 +512,9 @@ class FleetGateway final : public RunObserver {
   std::size_t connected_ = 0;
   std::string last_reason_;  // why a connection failed
   std::string problem_;
-  std::optional<Clock::time_point> quiet_at_;  // when the run no longer waits for answers
-  Clock::time_point quiet_by_;                 // at the latest
-  bool has_begun_ = false;                     // a tick was made
+  AnswerRound round_;
+  bool is_round_due_ = false;  // it begins when the agents have decided on the newest tick
+  bool has_begun_ = false;     // a tick was made, or one of the service before is continued
   bool ends_ = false;
 
   std::thread thread_;  // last, because it uses all other members
@@ -415,7 +522,7 @@ class FleetGateway final : public RunObserver {
 
 }  // namespace
 
-Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const mqtt::Broker& broker, double wait_seconds,
+Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const mqtt::Broker& broker, const AnswerWait& wait,
                                                       const WorldDescription& world,
                                                       std::function<void(const std::string&)> lines) {
   const Result<std::map<std::string, fleet::VehicleSettings>> vehicles = VehiclesOf(world);
@@ -425,7 +532,7 @@ Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const mqtt::Broker& broker
   }
   const auto limited = std::make_shared<FloodLimiter>(std::move(lines));
   return std::unique_ptr<RunObserver>(
-      std::make_unique<FleetGateway>(broker, wait_seconds, [limited](const std::string& line) { limited->Add(line); }));
+      std::make_unique<FleetGateway>(broker, wait, [limited](const std::string& line) { limited->Add(line); }));
 }
 
 }  // namespace troupe

@@ -15,13 +15,14 @@
 
 #include "transport/mqtt/broker.h"
 #include "troupe/world_description.h"
+#include "world-service/observers/fleet/answer_round.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
 
-// `wait_seconds`: wall time for which the run waits for answers after a tick with a state of a vehicle. The error is a
-// world without vehicles, or with two of the same topics. `lines`: receives lines for users, on any thread.
-Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const mqtt::Broker& broker, double wait_seconds,
+// `wait`: how the run waits for answers after ticks with messages of vehicles. The error is a world without vehicles,
+// or with two of the same topics. `lines`: receives lines for users, on any thread.
+Result<std::unique_ptr<RunObserver>> MakeFleetGateway(const mqtt::Broker& broker, const AnswerWait& wait,
                                                       const WorldDescription& world,
                                                       std::function<void(const std::string&)> lines);
 
