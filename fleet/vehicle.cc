@@ -5,6 +5,7 @@
 
 #include "fleet/order_check.h"
 #include "fleet/vehicle_actions.h"
+#include "fleet/vehicle_zones.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe::fleet {
@@ -271,6 +272,12 @@ struct Applier {
     memory.last_node_sequence_id = 0;
     memory.is_at_last_node = false;
   }
+
+  void operator()(const ZoneSetReceived& received) { StoreZoneSet(memory, received); }
+  void operator()(const ResponsesReceived& received) { TakeResponses(memory, received); }
+  void operator()(const AccessWanted& wanted) { WantAccess(memory, wanted); }
+  void operator()(const AccessEnded& ended) { EndAccess(memory, ended); }
+  void operator()(const LeaseEnded& ended) { EndLease(memory, ended); }
 
   void operator()(const ErrorRaised& raised) { ReportError(memory, {raised.error, ErrorEnd::kCause}); }
 

@@ -26,6 +26,7 @@
 #include "fleet/order_message.h"
 #include "fleet/order_table.h"
 #include "fleet/state_message.h"
+#include "fleet/zone_message.h"
 #include "troupe/result.h"
 
 namespace troupe::fleet {
@@ -67,6 +68,22 @@ struct TrackedAction {
   bool operator==(const TrackedAction&) const = default;
 };
 
+// A set of zones that the vehicle has (3.0).
+struct StoredZoneSet {
+  ZoneSet set;
+  StoredStatus status = StoredStatus::kDisabled;
+
+  bool operator==(const StoredZoneSet&) const = default;
+};
+
+// A request to enter a zone of an enabled set (3.0).
+struct AccessRequest {
+  ZoneRequest request;
+  std::optional<std::string> lease_expiry;  // a timestamp; nothing: a grant has no end
+
+  bool operator==(const AccessRequest&) const = default;
+};
+
 struct VehicleMemory {
   std::string order_id;  // of the present or the last order
   std::uint32_t order_update_id = 0;
@@ -89,6 +106,9 @@ struct VehicleMemory {
   bool is_paused = false;
   std::vector<ReportedError> errors;
   std::vector<MapState> maps;
+  std::vector<StoredZoneSet> zone_sets;  // 3.0, as the following
+  std::vector<AccessRequest> requests;
+  std::uint32_t requests_made = 0;
 
   bool operator==(const VehicleMemory&) const = default;
 };
@@ -119,6 +139,28 @@ struct OrderReceived {
 struct InstantActionsReceived {
   InstantActions message;
   std::vector<MessageFault> faults;
+};
+// Of 3.0.
+struct ZoneSetReceived {
+  ZoneSet set;
+  std::vector<MessageFault> faults;
+};
+struct ResponsesReceived {
+  Responses message;
+  std::vector<MessageFault> faults;
+};
+// A zone is on its way that it may enter with a release only: it asks for one, if it has not.
+struct AccessWanted {
+  std::string zone_set_id;
+  std::string zone_id;
+};
+// It has left the zone, or does not go there any more.
+struct AccessEnded {
+  std::string request_id;
+};
+// The lease of a grant is over.
+struct LeaseEnded {
+  std::string request_id;
 };
 // The vehicle has traversed the first of `nodes`.
 struct NodeReached {
@@ -155,7 +197,8 @@ struct ErrorCleared {
   std::string type;
 };
 using VehicleInput = std::variant<OrderReceived, InstantActionsReceived, NodeReached, ActionProgress, DrivingChanged,
-                                  ModeChanged, PauseChanged, LastNodeLost, ErrorRaised, ErrorCleared>;
+                                  ModeChanged, PauseChanged, LastNodeLost, ErrorRaised, ErrorCleared, ZoneSetReceived,
+                                  ResponsesReceived, AccessWanted, AccessEnded, LeaseEnded>;
 
 struct VehicleOutcome {
   const OrderRow* row = nullptr;  // of an order: the row that has decided

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "fleet/order_check.h"
+#include "fleet/vehicle_zones.h"
 
 namespace troupe::fleet {
 namespace {
@@ -129,6 +130,10 @@ void Start(VehicleMemory& memory, TrackedAction& tracked) {
     EnableMap(memory, tracked);
   } else if (type == "deleteMap") {
     DeleteMap(memory, tracked);
+  } else if (type == "enableZoneSet" || type == "deleteZoneSet") {
+    const std::string id = tracked.action.TextOf("zoneSetId");
+    const std::string reason = type == "enableZoneSet" ? EnableZoneSet(memory, id) : DeleteZoneSet(memory, id);
+    End(tracked, reason.empty() ? ActionStatus::kFinished : ActionStatus::kFailed, reason);
   } else if (type == "downloadMap" && FindMap(memory, tracked.action) != memory.maps.end()) {
     Refuse(memory, tracked, "DUPLICATE_MAP", "the map is here already");
   } else {
@@ -348,6 +353,7 @@ void BeginClearing(VehicleMemory& memory, const VehicleProfile& profile) {
 void EnterMode(VehicleMemory& memory, OperatingMode mode, Version version) {
   memory.wanted_mode.reset();
   memory.mode = mode;
+  if (mode != OperatingMode::kAutomatic && mode != OperatingMode::kSemiautomatic) memory.requests.clear();
   if (mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic ||
       mode == OperatingMode::kIntervened) {
     return;

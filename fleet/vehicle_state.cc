@@ -64,6 +64,18 @@ void ListMembers(Archive& a, Row& row) {
   a.May("result", row.result);
 }
 
+template <typename Archive, KeptRowOf<StoredZoneSet> Row>
+void ListMembers(Archive& a, Row& row) {
+  a.Need("set", row.set);
+  a.Need("status", row.status);
+}
+
+template <typename Archive, KeptRowOf<AccessRequest> Row>
+void ListMembers(Archive& a, Row& row) {
+  a.Need("request", row.request);
+  a.May("leaseExpiry", row.lease_expiry);
+}
+
 template <typename Archive, KeptRowOf<VehicleMemory> Row>
 void ListMembers(Archive& a, Row& row) {
   a.Need("orderId", row.order_id);
@@ -87,6 +99,9 @@ void ListMembers(Archive& a, Row& row) {
   a.Need("isPaused", row.is_paused);
   a.Need("errors", row.errors);
   a.Need("maps", row.maps);
+  a.Need("zoneSets", row.zone_sets);
+  a.Need("requests", row.requests);
+  a.Need("requestsMade", row.requests_made);
 }
 
 std::string SaveMemory(const VehicleMemory& memory) {
@@ -109,6 +124,12 @@ Result<VehicleMemory> RestoreMemory(std::string_view text) {
 State MakeState(const VehicleMemory& memory, const VehicleProfile& profile, const VehicleReadings& readings) {
   State state;
   if (!memory.maps.empty()) state.maps = memory.maps;
+  if (!memory.zone_sets.empty()) state.zone_sets.emplace();
+  for (const StoredZoneSet& stored : memory.zone_sets) {
+    state.zone_sets->push_back({stored.set.zone_set_id, stored.set.map_id, stored.status});
+  }
+  if (!memory.requests.empty()) state.zone_requests.emplace();
+  for (const AccessRequest& access : memory.requests) state.zone_requests->push_back(access.request);
   state.order_id = memory.order_id;
   state.order_update_id = memory.order_update_id;
   state.zone_set_id = memory.zone_set_id;

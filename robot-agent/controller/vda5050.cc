@@ -24,6 +24,8 @@
 #include "robot-agent/controller/vehicle_driver.h"
 #include "robot-agent/controller/vehicle_readings.h"
 #include "robot-agent/controller/vehicle_site.h"
+#include "robot-agent/controller/vehicle_zones.h"
+#include "robot-agent/navigation/lane_traffic.h"
 #include "robot-agent/navigation/surroundings.h"
 
 namespace troupe {
@@ -37,6 +39,7 @@ constexpr char kBlocked[] = "pathBlocked";
 constexpr char kBatteryEmpty[] = "batteryEmpty";
 constexpr char kUnknownPlace[] = "nodePositionUnknown";
 constexpr char kUnreachableMap[] = "mapNotReachable";
+constexpr char kTooHigh[] = "vehicleTooHigh";
 
 class Vda5050 final : public Controller, public RobotWatcher {
  public:
@@ -168,7 +171,53 @@ class Vda5050 final : public Controller, public RobotWatcher {
           fleet::Decode<fleet::InstantActions>(message.text, settings_.version);
       if (decoded.ok()) CheckVersion(decoded.message.header, decoded.faults);
       Apply(fleet::InstantActionsReceived{std::move(decoded.message), std::move(decoded.faults)});
+    } else if (!fleet::IsBefore3(settings_.version) && message.topic == FleetTopic::kZoneSet) {
+      fleet::Decoded<fleet::ZoneSet> decoded = fleet::Decode<fleet::ZoneSet>(message.text, settings_.version);
+      if (decoded.ok()) CheckVersion(decoded.message.header, decoded.faults);
+      Apply(fleet::ZoneSetReceived{std::move(decoded.message), std::move(decoded.faults)});
+    } else if (!fleet::IsBefore3(settings_.version) && message.topic == FleetTopic::kResponses) {
+      fleet::Decoded<fleet::Responses> decoded = fleet::Decode<fleet::Responses>(message.text, settings_.version);
+      if (decoded.ok()) CheckVersion(decoded.message.header, decoded.faults);
+      Apply(fleet::ResponsesReceived{std::move(decoded.message), std::move(decoded.faults)});
     }
+  }
+
+  std::int64_t TimeOf(const Observation& observation) const {
+    return settings_.epoch_ms + std::llround(observation.time * 1000.0);
+  }
+
+  // Zones that it meets on the way; null: it does not drive.
+  VehicleZones::Limit HeedZones(const Observation& observation, const VehicleWay* way) {
+    if (memory_.zone_sets.empty()) return {};
+    VehicleZones::Place place;
+    place.at = observation.pose_estimate.translation();
+    place.map = readings_.position->map_id;
+    place.radius = RadiusOf(around_->world(), info_.id);
+    place.braking = std::max(-info_.robot->drive.acceleration.x.min, 1e-3);
+    place.now_ms = TimeOf(observation);
+    VehicleZones::Limit limit = zones_.Look(memory_, place, way);
+    for (const fleet::VehicleInput& input : limit.inputs) Apply(input);
+    return limit;
+  }
+
+  // An edge that is too low for the vehicle with its load: it stands before it.
+  bool IsTooHigh() {
+    const fleet::Edge* const edge = memory_.edges.empty() ? nullptr : &memory_.edges.front();
+    const bool is_too_high = edge != nullptr && edge->released && edge->maximum_robot_height &&
+                             HeightOf(*around_, info_.id) > *edge->maximum_robot_height;
+    if (std::exchange(has_told_height_, is_too_high) == is_too_high) return is_too_high;
+    const std::string type = ErrorName(kTooHigh, settings_.version);
+    if (!is_too_high) {
+      Apply(fleet::ErrorCleared{type});
+      return false;
+    }
+    fleet::VehicleError error;
+    error.type = type;
+    error.description = fmt::format("the vehicle is {:.3f} m high, the edge lets {:g} m pass",
+                                    HeightOf(*around_, info_.id), *edge->maximum_robot_height);
+    error.references = {{{"edgeId", edge->id}, {"nodeId", memory_.nodes.front().id}}};
+    Apply(fleet::ErrorRaised{error});
+    return true;
   }
 
   void Move(const Observation& observation, Command& command) {
@@ -178,6 +227,14 @@ class Vda5050 final : public Controller, public RobotWatcher {
       if (!fleet::MayDrive(memory_, *profile_)) {
         driver_.Rest();
         site_.Rest(!memory_.nodes.empty());
+        HeedZones(observation, nullptr);
+        IsTooHigh();  // perhaps no more
+        break;
+      }
+      if (IsTooHigh()) {
+        driver_.Rest();
+        site_.Rest(true);
+        HeedZones(observation, nullptr);
         break;
       }
       const std::optional<VehicleWay> way = driver_.Look(memory_, observation);
@@ -186,12 +243,18 @@ class Vda5050 final : public Controller, public RobotWatcher {
         break;
       }
       const VehicleSite::Limit limit = site_.Follow(*way);
+      const VehicleZones::Limit zones = HeedZones(observation, &*way);
+      if (!fleet::IsBefore3(settings_.version)) {
+        AddPaths(*way, memory_, std::min(driver_.SpeedOf(memory_), zones.speed), TimeOf(observation), readings_);
+      }
       if (limit.rides || limit.has_no_lift) {
         if (limit.has_no_lift) ReportNode(kUnreachableMap, "no lift leads from here to the map of the node");
         if (limit.thing) command.orders.emplace_back(WaitOrder{limit.thing, {}});
         break;
       }
-      const VehicleDriver::Motion motion = driver_.Drive(memory_, observation, *around_, limit.room);
+      std::optional<double> room = limit.room;
+      if (zones.room) room = std::min(room.value_or(*zones.room), *zones.room);
+      const VehicleDriver::Motion motion = driver_.Drive(memory_, observation, *around_, room, zones.speed);
       readings_.distance_since_last_node = motion.driven;
       readings_.is_base_short = motion.room < kShortBase * std::max(std::fabs(observation.twist.vx), 0.1);
       if (motion.has_reached) {
@@ -258,7 +321,7 @@ class Vda5050 final : public Controller, public RobotWatcher {
 
   void Publish(const Observation& observation, Command& command) {
     const fleet::Version version = settings_.version;
-    const std::int64_t now = settings_.epoch_ms + std::llround(observation.time * 1000.0);
+    const std::int64_t now = TimeOf(observation);
     if (std::exchange(must_send_factsheet_, false)) {
       fleet::Factsheet sheet = profile_->factsheet;
       sheet.header = NextHeader(factsheets_, now);
@@ -279,6 +342,8 @@ class Vda5050 final : public Controller, public RobotWatcher {
       fleet::Visualization view;
       view.header = NextHeader(views_, now);
       view.reference_state_header_id = states_ > 0 ? states_ - 1 : 0;
+      view.planned_path = readings_.planned_path;
+      view.intermediate_path = readings_.intermediate_path;
       view.position = readings_.position;
       view.velocity = readings_.velocity;
       Add(FleetTopic::kVisualization, fleet::Encode(view, version), command);
@@ -299,6 +364,7 @@ class Vda5050 final : public Controller, public RobotWatcher {
   VehicleDriver driver_;
   VehicleActions actions_;
   VehicleSite site_;
+  VehicleZones zones_;
   fleet::VehicleMemory memory_;
   fleet::VehicleMemory told_;  // of the tick before, for the news
   std::optional<fleet::VehicleProfile> profile_;
@@ -309,6 +375,7 @@ class Vda5050 final : public Controller, public RobotWatcher {
   std::optional<Vec2> last_place_;      // m
   std::optional<double> blocked_since_;
   bool has_told_block_ = false;
+  bool has_told_height_ = false;
   bool is_battery_empty_ = false;
 
   bool must_send_state_ = false;

@@ -121,6 +121,10 @@ double VehicleDriver::SpeedOf(const fleet::Edge* edge, bool is_backward) const {
   return std::max(most, 0.0);
 }
 
+double VehicleDriver::SpeedOf(const fleet::VehicleMemory& memory) const {
+  return SpeedOf(EdgeBefore(memory, 0), is_backward_);
+}
+
 double VehicleDriver::TurnRateOf(const fleet::Edge* edge) const {
   double most = std::min(settings_.turn_rate, drive_.velocity.heading.max);
   if (edge != nullptr && edge->maximum_rotation_speed) most = std::min(most, *edge->maximum_rotation_speed);
@@ -234,7 +238,8 @@ std::optional<VehicleWay> VehicleDriver::Look(const fleet::VehicleMemory& memory
 }
 
 VehicleDriver::Motion VehicleDriver::Drive(const fleet::VehicleMemory& memory, const Observation& observation,
-                                           const Surroundings& around, const std::optional<double>& most) {
+                                           const Surroundings& around, const std::optional<double>& most,
+                                           double fastest) {
   Motion motion;
   const fleet::Node& node = memory.nodes.front();
   const Pose& X_WR = observation.pose_estimate;
@@ -271,9 +276,9 @@ VehicleDriver::Motion VehicleDriver::Drive(const fleet::VehicleMemory& memory, c
     return motion;
   }
   const double room = std::min(behind > 0.0 ? to_stop : rest, most.value_or(to_stop));
-  double speed = room <= kArrived && most
-                     ? 0.0
-                     : SpeedFor(room, SpeedOf(edge, is_backward_), -drive_.acceleration.x.min, observation.interval);
+  double speed = room <= kArrived && most ? 0.0
+                                          : SpeedFor(room, std::min(SpeedOf(edge, is_backward_), fastest),
+                                                     -drive_.acceleration.x.min, observation.interval);
   StopBefore(memory, observation, around, room, motion, speed);
   motion.command = Follow(memory, observation, speed);
   if (is_turning_) motion.obstacle.reset();  // it will look another way

@@ -38,10 +38,12 @@ class VehicleDriver {
     double room = 0.0;                     // m, to the end of the base
     std::optional<double> driven = {};     // m, since the last node
   };
-  // `most`: m, that it may drive on; nothing: any. REQUIRES: the memory lets it drive (fleet::MayDrive), and Look has
-  // returned a way.
+  // `most`: m, that it may drive on; nothing: any. `fastest`: m/s. REQUIRES: the memory lets it drive
+  // (fleet::MayDrive), and Look has returned a way.
   Motion Drive(const fleet::VehicleMemory& memory, const Observation& observation, const Surroundings& around,
-               const std::optional<double>& most);
+               const std::optional<double>& most, double fastest);
+  // m/s, on the first edge of the memory.
+  double SpeedOf(const fleet::VehicleMemory& memory) const;
   // It stands, and begins the edge anew when it drives again.
   void Rest() { is_turning_ = false; }
   // It has been moved from outside.

@@ -127,6 +127,10 @@ std::vector<fleet::ActionSpecification> ActionsOf(fleet::Version version, bool h
     actions.push_back(ActionOf("retry", "tries an action again", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("skipRetry", "gives an action up", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("clearInstantActions", "forgets those that have ended", {Scope::kInstant}));
+    actions.push_back(ActionOf("enableZoneSet", "uses that set of zones of its map", {Scope::kInstant, Scope::kNode},
+                               {{"zoneSetId", "STRING", {}, {}}}));
+    actions.push_back(ActionOf("deleteZoneSet", "forgets a set of zones that is not enabled", {Scope::kInstant},
+                               {{"zoneSetId", "STRING", {}, {}}}));
   }
   if (has_battery) {
     actions.push_back(
@@ -220,6 +224,42 @@ fleet::VehicleReadings MakeReadings(const Surroundings& around, const Observatio
   return readings;
 }
 
+double HeightOf(const Surroundings& around, RobotId robot) {
+  double height = std::max(around.scene.body(around.scene.body_of(robot)).z.max, 0.0);
+  const double floor = around.PoseOf(robot).z;
+  for (const VehicleLoad& load : LoadsOf(around, robot)) {
+    const double top = around.scene.body(around.scene.body_of(load.object)).z.max;
+    height = std::max(height, around.state.objects[load.object.index()].X_WO.z - floor + top);
+  }
+  return height;
+}
+
+void AddPaths(const VehicleWay& way, const fleet::VehicleMemory& memory, double speed, std::int64_t now_ms,
+              fleet::VehicleReadings& readings) {
+  constexpr std::size_t kMostPoints = 100;
+  constexpr double kSlowest = 0.01;  // m/s, so that each time can be written
+  if (way.points.size() < 2 || memory.nodes.empty()) return;
+  fleet::PlannedPath planned;
+  planned.trajectory.degree = 1;
+  planned.traversed_nodes.emplace();
+  fleet::IntermediatePath path;
+  double length = 0.0;
+  Vec2 before = way.points.front().place;
+  for (std::size_t i = 0; i < way.points.size() && i < kMostPoints; ++i) {
+    const VehicleWay::Point& point = way.points[i];
+    length += (point.place - before).norm();
+    before = point.place;
+    planned.trajectory.control_points.push_back({Rounded(point.place.x()), Rounded(point.place.y()), {}});
+    const std::int64_t eta = now_ms + std::llround(1000.0 * length / std::max(speed, kSlowest));
+    path.polyline.push_back(
+        {Rounded(point.place.x()), Rounded(point.place.y()), {}, fleet::FormatTimestamp(eta, fleet::Version::k3_0)});
+    const std::size_t node = planned.traversed_nodes->size();
+    if (point.is_node && node < memory.nodes.size()) planned.traversed_nodes->push_back(memory.nodes[node].id);
+  }
+  readings.planned_path = std::move(planned);
+  readings.intermediate_path = std::move(path);
+}
+
 fleet::VehicleProfile MakeProfile(const Surroundings& around, const RobotInfo& info,
                                   const fleet::VehicleSettings& settings, bool has_battery) {
   fleet::VehicleProfile profile;
@@ -235,6 +275,9 @@ fleet::VehicleProfile MakeProfile(const Surroundings& around, const RobotInfo& i
   sheet.type.robot_class = "CARRIER";
   sheet.type.localization_types = {"NATURAL"};
   sheet.type.navigation_types = {"VIRTUAL_LINE_GUIDED"};
+  if (is_3) {
+    sheet.type.supported_zones = {"BLOCKED", "LINE_GUIDED", "RELEASE", "COORDINATED_REPLANNING", "SPEED_LIMIT"};
+  }
 
   constexpr double kMost = 1e3;  // for drives without bounds
   const Rectangle box = BoxOf(around, around.scene.body_of(info.id));
@@ -272,7 +315,8 @@ fleet::VehicleProfile MakeProfile(const Surroundings& around, const RobotInfo& i
        {"order.nodes.nodePosition.theta", "order.nodes.nodePosition.allowedDeviationXY",
         "order.nodes.nodePosition.allowedDeviationTheta", "order.edges.orientation", "order.edges.trajectory",
         "order.edges.corridor", "order.edges.rotationAllowed",
-        is_3 ? "order.edges.maximumSpeed" : "order.edges.maxSpeed", "order.edges.maxRotationSpeed"}) {
+        is_3 ? "order.edges.maximumSpeed" : "order.edges.maxSpeed",
+        is_3 ? "order.edges.maximumMobileRobotHeight" : "order.edges.maxHeight", "order.edges.maxRotationSpeed"}) {
     sheet.features.optional_parameters.push_back({parameter, fleet::Support::kSupported, {}});
   }
   sheet.features.actions = ActionsOf(settings.version, has_battery);

@@ -2,12 +2,14 @@
 // state; its size and abilities, for its factsheet.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "fleet/vehicle.h"
 #include "fleet/vehicle_settings.h"
+#include "robot-agent/controller/vehicle_path.h"
 #include "robot-agent/navigation/surroundings.h"
 #include "troupe/controller.h"
 #include "troupe/rectangle.h"
@@ -35,6 +37,14 @@ Rectangle BoxOf(const Surroundings& around, BodyId body);
 
 fleet::VehicleReadings MakeReadings(const Surroundings& around, const Observation& observation, RobotId robot,
                                     const fleet::VehicleSettings& settings);
+
+// m, from the floor to the top of the vehicle and of what it carries.
+double HeightOf(const Surroundings& around, RobotId robot);
+
+// Adds the way along the base as the paths that a vehicle of 3.0 shows, at most 100 points of it; `speed`: m/s.
+// `now_ms`: ms since 1970.
+void AddPaths(const VehicleWay& way, const fleet::VehicleMemory& memory, double speed, std::int64_t now_ms,
+              fleet::VehicleReadings& readings);
 
 // `has_battery`: the robot has a store of energy.
 fleet::VehicleProfile MakeProfile(const Surroundings& around, const RobotInfo& info,

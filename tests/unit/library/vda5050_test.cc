@@ -163,6 +163,21 @@ class FleetOfHall {
     message.actions = actions;
     Give(FleetTopic::kInstantActions, fleet::Encode(message, version_));
   }
+  void Send(fleet::ZoneSet set) {
+    set.header = Header(zone_sets_);
+    Give(FleetTopic::kZoneSet, fleet::Encode(set, version_));
+  }
+  // To the first request of its state.
+  void Respond(fleet::GrantType grant, std::optional<double> lease_seconds = {}) {
+    fleet::Responses message;
+    message.header = Header(responses_);
+    fleet::RequestResponse response{state_->zone_requests.value().front().id, grant, {}};
+    if (lease_seconds) {
+      response.lease_expiry = fleet::FormatTimestamp(Now() + std::llround(*lease_seconds * 1e3), version_);
+    }
+    message.responses = {response};
+    Give(FleetTopic::kResponses, fleet::Encode(message, version_));
+  }
   // Without the checker, which would blame the fleet control.
   void SendText(FleetTopic topic, const std::string& text) {
     EXPECT_TRUE(simulation_.SendMessage(robot_, {topic, text}).ok());
@@ -218,6 +233,8 @@ class FleetOfHall {
   std::uint32_t orders_ = 0;
   std::uint32_t instant_actions_ = 0;
   std::uint32_t connections_ = 0;
+  std::uint32_t zone_sets_ = 0;
+  std::uint32_t responses_ = 0;
 };
 
 // From where cart_1 stands.
@@ -428,6 +445,160 @@ TEST(Vda5050, FollowsACurveWithTheSpeedOfTheEdge) {
   EXPECT_LT(worst, 0.05);
   EXPECT_NEAR(fastest, 0.4, 0.01);
   EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+// A zone between x = -0.5 and 0.5, which crosses the way of cart_2 along y = -1.5.
+fleet::ZoneSet ZoneOf(const std::string& id, fleet::ZoneType type) {
+  fleet::ZoneSet set;
+  set.map_id = "hall";
+  set.zone_set_id = id;
+  fleet::Zone zone;
+  zone.id = "z";
+  zone.type = type;
+  zone.vertices = {{-0.5, -3.0}, {0.5, -3.0}, {0.5, 0.0}, {-0.5, 0.0}};
+  if (type == fleet::ZoneType::kRelease) zone.release_loss_behavior = fleet::ZoneLoss::kStop;
+  if (type == fleet::ZoneType::kSpeedLimit) zone.maximum_speed = 0.3;
+  set.zones = {zone};
+  return set;
+}
+
+// With an enabled zone, and an order through it.
+struct FleetWithZone : FleetOfHall {
+  explicit FleetWithZone(fleet::ZoneType type) : FleetOfHall("cart_2", fleet::Version::k3_0) {
+    Step();
+    Send(ZoneOf("set", type));
+    Send({ActionOf("enableZoneSet", "e1", {{"zoneSetId", "set"}}, fleet::BlockingType::kNone)});
+    Step(2);
+    EXPECT_EQ(StatusOf("e1"), ActionStatus::kFinished);
+    EXPECT_EQ(state().zone_sets->front().status, fleet::StoredStatus::kEnabled);
+    fleet::Order order = OrderOf("o1", {{"e", 3.0, -1.5}, {"w", -3.0, -1.5}});
+    FleetOfHall::Send(order);
+  }
+  // Of the circle around its box.
+  bool IsInZone() const { return std::fabs(pose().x) < 0.5 + 0.5; }
+};
+
+TEST(Vda5050, EntersAZoneOfReleaseOnlyWhenThatIsGranted) {
+  FleetWithZone fleet(fleet::ZoneType::kRelease);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().zone_requests.has_value(); }));
+  EXPECT_EQ(fleet.state().zone_requests->front().zone_id, "z");
+  EXPECT_EQ(fleet.state().zone_requests->front().status, fleet::RequestStatus::kRequested);
+  fleet.Step(100);
+  EXPECT_FALSE(fleet.state().driving);
+  EXPECT_NEAR(fleet.pose().x, 1.1, 0.1);  // before the zone
+  fleet.Respond(fleet::GrantType::kQueued);
+  fleet.Step(50);
+  EXPECT_FALSE(fleet.IsInZone());
+  fleet.Respond(fleet::GrantType::kGranted);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsInZone(); }));
+  EXPECT_EQ(fleet.state().zone_requests->front().status, fleet::RequestStatus::kGranted);
+  // Without its release it stops, until it has it again.
+  fleet.Respond(fleet::GrantType::kRevoked);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("RELEASE_LOST") && !fleet.state().driving; }));
+  EXPECT_TRUE(fleet.IsInZone());
+  EXPECT_EQ(fleet.state().zone_requests->front().status, fleet::RequestStatus::kRevoked);
+  fleet.Respond(fleet::GrantType::kGranted);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_FALSE(fleet.HasError("RELEASE_LOST"));
+  EXPECT_FALSE(fleet.state().zone_requests.has_value());  // it has left
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, AsksAgainWhenALeaseIsOver) {
+  FleetWithZone fleet(fleet::ZoneType::kRelease);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().zone_requests && !fleet.state().driving; }));
+  const std::string first = fleet.state().zone_requests->front().id;
+  fleet.Respond(fleet::GrantType::kGranted, 0.05);  // over before it is in the zone
+  ASSERT_TRUE(
+      fleet.StepUntil([&] { return fleet.state().zone_requests && fleet.state().zone_requests->front().id != first; }));
+  EXPECT_FALSE(fleet.IsInZone());
+  fleet.Respond(fleet::GrantType::kGranted, 600.0);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, KeepsOutOfABlockedZone) {
+  FleetWithZone fleet(fleet::ZoneType::kBlocked);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("NODE_UNREACHABLE"); }));
+  fleet.Step(100);
+  EXPECT_FALSE(fleet.IsInZone());
+  EXPECT_FALSE(fleet.state().driving);
+  // Another set of this map is enabled in its place.
+  fleet::ZoneSet none = ZoneOf("none", fleet::ZoneType::kSpeedLimit);
+  none.zones.clear();
+  fleet.FleetOfHall::Send(none);
+  fleet.FleetOfHall::Send({ActionOf("enableZoneSet", "e2", {{"zoneSetId", "none"}}, fleet::BlockingType::kNone),
+                           ActionOf("deleteZoneSet", "x1", {{"zoneSetId", "none"}}, fleet::BlockingType::kNone)});
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("x1"), ActionStatus::kFailed);  // it is enabled
+  EXPECT_FALSE(fleet.HasError("NODE_UNREACHABLE"));
+  // Within a zone that becomes blocked it stands.
+  fleet.FleetOfHall::Send(fleet.OrderOf("o2", {{"w", -3.0, -1.5}, {"e", 3.0, -1.5}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return std::fabs(fleet.pose().x) < 0.3; }));
+  fleet.FleetOfHall::Send({ActionOf("enableZoneSet", "e3", {{"zoneSetId", "set"}}, fleet::BlockingType::kNone)});
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("BLOCKED_ZONE_VIOLATION") && !fleet.state().driving; }));
+  EXPECT_TRUE(fleet.IsInZone());
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, IsSlowInAZoneWithASpeedLimit) {
+  FleetWithZone fleet(fleet::ZoneType::kSpeedLimit);
+  double fastest = 0.0;
+  double fastest_inside = 0.0;
+  ASSERT_TRUE(fleet.StepUntil([&] {
+    const double speed = std::fabs(fleet.simulation().state().robots[fleet.robot().index()].twist.vx);
+    fastest = std::max(fastest, speed);
+    if (fleet.IsInZone()) fastest_inside = std::max(fastest_inside, speed);
+    return fleet.IsDone();
+  }));
+  EXPECT_NEAR(fastest, 1.0, 0.01);
+  EXPECT_NEAR(fastest_inside, 0.3, 0.01);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, ShowsItsPaths) {
+  FleetOfHall fleet("cart_2", fleet::Version::k3_0);
+  fleet.Step();
+  EXPECT_FALSE(fleet.state().planned_path.has_value());
+  fleet::Order order = fleet.OrderOf("o1", {{"e", 3.0, -1.5}, {"m", 0.0, -1.5}, {"w", -3.0, -1.5}});
+  order.nodes[2].released = order.edges[1].released = false;
+  fleet.Send(order);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().planned_path.has_value(); }));
+  const fleet::PlannedPath& planned = *fleet.state().planned_path;
+  EXPECT_THAT(*planned.traversed_nodes, testing::ElementsAre("m"));  // of the base
+  ASSERT_GE(planned.trajectory.control_points.size(), 2U);
+  EXPECT_NEAR(planned.trajectory.control_points.front().x, fleet.state().position->x, 0.2);
+  EXPECT_DOUBLE_EQ(planned.trajectory.control_points.back().x, 0.0);
+  const std::vector<fleet::Waypoint>& line = fleet.state().intermediate_path->polyline;
+  ASSERT_EQ(line.size(), planned.trajectory.control_points.size());
+  EXPECT_NEAR(static_cast<double>(*fleet::ParseTimestamp(line.back().eta) - *fleet::ParseTimestamp(line.front().eta)),
+              3000.0, 200.0);  // 3 m at 1 m/s
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().last_node_id == "m" && !fleet.state().driving; }));
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, StandsBeforeAnEdgeThatIsTooLowForItsLoad) {
+  for (const fleet::Version version : {fleet::Version::k2_1, fleet::Version::k3_0}) {
+    const bool is_3 = version == fleet::Version::k3_0;
+    FleetOfHall fleet(is_3 ? "cart_2" : "cart_1", version);
+    ASSERT_TRUE(fleet.simulation().SetPose(is_3 ? "cart_1" : "cart_2", {-6.0, -3.0, 0.0, 0.0}).ok());
+    fleet.Step();
+    const Stop start = {"s", fleet.pose().x, fleet.pose().y};
+    fleet::Order order = fleet.OrderOf(
+        "o1", {start, {"a", -5.0, 1.0, {ActionOf("pick", "p1", {{"loadId", "pallet_1"}})}, 0.0}, {"b", 0.0, 1.0}});
+    order.edges[0].maximum_robot_height = 0.4;  // the cart is 0.3 m high, the pallet, too
+    order.edges[1].maximum_robot_height = 0.4;
+    fleet.Send(order);
+    const std::string type = is_3 ? "VEHICLE_TOO_HIGH" : "vehicleTooHigh";
+    ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError(type); }));
+    EXPECT_EQ(fleet.StatusOf("p1"), ActionStatus::kFinished);
+    fleet.Step(50);
+    EXPECT_EQ(fleet.state().last_node_id, "a");
+    EXPECT_NEAR(fleet.pose().x, -5.0, 0.1);
+    fleet.Send({ActionOf("cancelOrder", "c1", {}, is_3 ? fleet::BlockingType::kNone : fleet::BlockingType::kHard)});
+    ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone() && !fleet.HasError(type); }));
+    EXPECT_THAT(fleet.verdicts(), IsEmpty());
+  }
 }
 
 TEST(Vda5050, RejectsWhatItCannotRead) {

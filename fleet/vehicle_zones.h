@@ -1,0 +1,29 @@
+// The zones of a vehicle of VDA 5050 3.0: the sets that it has, and its requests to enter zones. The parts of Apply
+// (vehicle.h) that concern them. Where the vehicle is, and which zones it meets, is the controller's to say.
+//
+// Where the standard leaves a choice: a request that is rejected becomes REVOKED in the state, which has no other word
+// for it; a response to an unknown request has no effect; requests of a set that is enabled no more end.
+#pragma once
+
+#include <string>
+
+#include "fleet/vehicle.h"
+
+namespace troupe::fleet {
+
+// A new set is DISABLED. A known one is ignored, or, with another content, an error.
+void StoreZoneSet(VehicleMemory& memory, const ZoneSetReceived& received);
+void TakeResponses(VehicleMemory& memory, const ResponsesReceived& received);
+void WantAccess(VehicleMemory& memory, const AccessWanted& wanted);
+void EndAccess(VehicleMemory& memory, const AccessEnded& ended);
+void EndLease(VehicleMemory& memory, const LeaseEnded& ended);
+
+// The instant actions about sets; the reason why it failed, or empty.
+std::string EnableZoneSet(VehicleMemory& memory, const std::string& id);
+std::string DeleteZoneSet(VehicleMemory& memory, const std::string& id);
+
+// The request to enter that zone; null: there is none.
+const AccessRequest* FindRequest(const VehicleMemory& memory, const std::string& zone_set_id,
+                                 const std::string& zone_id);
+
+}  // namespace troupe::fleet
