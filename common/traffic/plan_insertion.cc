@@ -19,6 +19,7 @@ struct State {
   MoveSequence::Range rest = {};
   double seconds = 0.0;  // at rest there from then on
   double delays = 0.0;   // s, of others
+  double moving = 0.0;   // s, on the way there
   std::uint32_t parent = kNoState;
   std::uint32_t lane = 0;  // of the move that leads there
 };
@@ -107,8 +108,9 @@ std::optional<std::vector<MoveSequence::Step>> PlanInsertion::Find(const MoveSeq
   reached_.clear();
   std::vector<State> states;
   std::vector<MoveSequence::Range> scratch;
-  // Of equal costs the one that is nearest to the goal is first: on a grid many ways are equally long.
-  using Entry = std::tuple<double, double, Position, std::uint32_t>;  // cost, s to the goal, position, state
+  // Of equal costs the shortest way is first: a robot that has to wait would else drive to and fro, and keep others
+  // from moves before it for ever. Of equally long ones, as on a grid, it is the one that is nearest to the goal.
+  using Entry = std::tuple<double, double, double, Position, std::uint32_t>;  // cost, s on the way and to the goal, ...
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   // It stays only after the last move that needs its goal.
   const double least = sequence.LastFinishNear(goal);
@@ -118,14 +120,14 @@ std::optional<std::vector<MoveSequence::Step>> PlanInsertion::Find(const MoveSeq
     const auto left = static_cast<double>(seconds_to_goal[state.vertex]);
     if (left == MoveSequence::kNever || IsDone(state.vertex, state.rest.begin, state.position)) return;
     const double weight = visits_ - begun < kExactVisits ? 1.0 : kHaste;
-    open.push({state.delays + std::max(state.seconds + weight * left, least), left, state.position,
-               static_cast<std::uint32_t>(states.size())});
+    open.push({state.delays + std::max(state.seconds + weight * left, least), state.moving + weight * left, left,
+               state.position, static_cast<std::uint32_t>(states.size())});
     states.push_back(state);
   };
   const std::uint32_t place = sequence.place(row);
   add({.vertex = place, .rest = sequence.RestAt(place, 0), .seconds = sequence.ready(row)});
   while (!open.empty() && visits_ - begun < most) {
-    const std::uint32_t number = std::get<3>(open.top());
+    const std::uint32_t number = std::get<4>(open.top());
     open.pop();
     const State state = states[number];
     if (!SetDone(state.vertex, state.rest.begin, state.position)) continue;
@@ -142,7 +144,8 @@ std::optional<std::vector<MoveSequence::Step>> PlanInsertion::Find(const MoveSeq
       if (closed_[exit.lane]) continue;
       ForEachNext(sequence, state, exit, delay_weight, scratch,
                   [&](Position position, const MoveSequence::Range& rest, double finish, double delay) {
-                    add({exit.to, position, rest, finish, state.delays + delay, number, exit.lane});
+                    add({exit.to, position, rest, finish, state.delays + delay, state.moving + exit.seconds, number,
+                         exit.lane});
                   });
     }
   }
