@@ -251,7 +251,7 @@ class Trial:
         return (self.folder / "hashes").read_text()
 
     def step_and_go_back(self, run):
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + LIMIT
         while ", ready" not in (self.folder / "run.log").read_text():
             if time.monotonic() > deadline:
                 raise Failure("the run did not start")
