@@ -88,6 +88,8 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   };
   Result<ResumedRun> resumed = RestoreRun(journal, WritesTexts(source.outputs) ? make_texts : MakeRunObservers());
   if (!resumed.ok()) return resumed.error();
+  // One that died before it wrote its number to the journal has told the agents of it perhaps.
+  resumed.value().incarnation = std::max(resumed.value().incarnation, source.successor);
   if (texts == nullptr && WritesTexts(source.outputs)) {  // the journal has no state
     // The service died before it committed a state, so the restoring has not asked for the observers.
     if (const Result<RunObservers> made = make_texts(resumed.value().scene); !made.ok()) return made.error();
