@@ -178,7 +178,7 @@ RUNS = {  # options, a slow broker, trouble
     "a process each, max": ([*EACH, "--speed", "max"], False, None),
     "a process each, speed 5": ([*EACH, "--speed", "5"], False, None),
     "a process each, slow broker": ([*EACH, "--speed", "max"], True, None),
-    "paused": ([*ONE, "--speed", "1"], False, "pause"),
+    "paused": ([*EACH, "--speed", "1"], False, "pause"),
     "service killed": ([*EACH, "--speed", "1"], False, "kill"),
 }
 
