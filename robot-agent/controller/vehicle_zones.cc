@@ -58,6 +58,16 @@ void StandBefore(double entry, VehicleZones::Limit& limit) {
   limit.room = std::min(limit.room.value_or(room), room);
 }
 
+// Once when it begins, and when it ends.
+void Report(bool is_so, bool& is_told, const fleet::VehicleError& error, VehicleZones::Limit& limit) {
+  if (std::exchange(is_told, is_so) == is_so) return;
+  if (is_so) {
+    limit.inputs.emplace_back(fleet::ErrorRaised{error});
+  } else {
+    limit.inputs.emplace_back(fleet::ErrorCleared{error.type});
+  }
+}
+
 }  // namespace
 
 struct VehicleZones::Meeting {
@@ -66,16 +76,6 @@ struct VehicleZones::Meeting {
   bool is_inside = false;
   std::optional<double> entry = {};  // m along the way; nothing: it is not on it
 };
-
-// Once when it begins, and when it ends.
-void VehicleZones::Report(bool is_so, bool& is_told, const fleet::VehicleError& error, Limit& limit) {
-  if (std::exchange(is_told, is_so) == is_so) return;
-  if (is_so) {
-    limit.inputs.emplace_back(fleet::ErrorRaised{error});
-  } else {
-    limit.inputs.emplace_back(fleet::ErrorCleared{error.type});
-  }
-}
 
 // `keeps`: it does not look ahead now, and may go on later.
 void VehicleZones::Enter(const fleet::VehicleMemory& memory, const Place& place, const Meeting& meeting, bool keeps,

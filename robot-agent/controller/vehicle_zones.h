@@ -43,7 +43,6 @@ class VehicleZones {
   struct Meeting;  // with a zone
 
   void Enter(const fleet::VehicleMemory& memory, const Place& place, const Meeting& meeting, bool keeps, Limit& limit);
-  void Report(bool is_so, bool& is_told, const fleet::VehicleError& error, Limit& limit);
 
   std::map<std::string, std::int64_t> refused_until_;  // ms since 1970, by zone: it asks again after that
   bool has_told_inside_ = false;                       // a blocked zone
