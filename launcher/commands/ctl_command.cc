@@ -17,6 +17,7 @@
 #include "launcher/commands/commands.h"
 #include "launcher/commands/request_options.h"
 #include "transport/dds/tools/control_client.h"
+#include "transport/dds/tools/session_monitor.h"
 #include "transport/protocol/message_texts.h"
 #include "troupe/deterministic_math.h"
 
@@ -47,7 +48,9 @@ Result<ControlReply> SendRequest(const CtlOptions& options) {
   NetworkSettings network = options.network;
   if (const Status problem = SelectSession(network); !problem.ok()) return problem.error();
   ControlClient client(network);
-  if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
+  if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) {
+    return Failure(missing.error().message + SimilarSession(network, kSimilarSeconds));
+  }
   control::Request request = options.request;
   if (Status failure = SetHeight(options, client, request); !failure.ok()) return failure.error();
   return client.Call(request, options.timeout_seconds);

@@ -183,10 +183,19 @@ ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
   return gateway_options;
 }
 
-int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, SignalWatch& signals) {
+// A run may begin later than its viewer, so a session that is not there is no error.
+void SayWhetherItWaits(const NetworkSettings& network) {
+  ControlClient client(network);
+  if (client.WaitForService(kSimilarSeconds).ok()) return;
+  PrintPlain(stderr, "waits for session '{}'{}\n", network.session, SimilarSession(network, kSimilarSeconds));
+}
+
+int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, SignalWatch& signals,
+                      const NetworkSettings* named = nullptr) {
   if (!gateway.ok()) return Fail(gateway.error());
   fmt::print("{}\n", StyledLine(std::string(kPageLine) + gateway.value()->Address(), HasStyles(stdout)));
   std::fflush(stdout);
+  if (named != nullptr) SayWhetherItWaits(*named);
   pollfd waited = {signals.descriptor(), POLLIN, 0};
   while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
   // The launcher ends the viewer of a run with the run, whose last frame is on its way.
@@ -197,7 +206,9 @@ int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, Sig
 }
 
 // After "run again" the page's port and token are those of the run before, so that open pages reconnect.
-int ServeRun(const ViewOptions& options, std::string token, ShownExpectations expectations, SignalWatch& signals) {
+// `is_named`: the user has named the session.
+int ServeRun(const ViewOptions& options, std::string token, ShownExpectations expectations, SignalWatch& signals,
+             bool is_named) {
   DdsRunLink link(options.network, options.journal, options.runs_again);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   if (options.expect.empty() && !options.scenario.empty()) expectations = ExpectationsOfRun(options.scenario);
@@ -209,7 +220,7 @@ int ServeRun(const ViewOptions& options, std::string token, ShownExpectations ex
     gateway_options.port = before->port;
     gateway_options.token = before->token;
   }
-  return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals);
+  return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals, is_named ? &options.network : nullptr);
 }
 
 // The timeline steps the recording again on demand: a page can go to any tick of it.
@@ -301,8 +312,9 @@ int ViewCommand(ViewOptions options) {
     if (!options.file.empty()) {
       return ServeRecording(options, std::move(token).value(), std::move(expectations).value(), signals);
     }
+    const bool is_named = !options.network.session.empty() && options.run_command.empty();
     if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
-    return ServeRun(options, std::move(token).value(), std::move(expectations).value(), signals);
+    return ServeRun(options, std::move(token).value(), std::move(expectations).value(), signals, is_named);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }

@@ -8,12 +8,14 @@
 #include <utility>
 
 #include "transport/dds/tools/control_client.h"
+#include "transport/dds/tools/session_monitor.h"
 
 namespace troupe {
 namespace {
 
 constexpr double kReplySeconds = 10.0;
 constexpr double kDiscoverySeconds = 5.0;
+constexpr double kSimilarSeconds = 1.0;
 constexpr double kMeasureSeconds = 0.3;
 
 constexpr char kEscape = '\033';
@@ -39,7 +41,9 @@ void RestoreAndDie(int signal) {
 // Asks once, so that a wrong name is an error here and not at the first command.
 Result<RobotRemote> RobotRemote::Connect(const NetworkSettings& network, const std::string& robot) {
   auto client = std::make_unique<ControlClient>(network);
-  if (Status missing = client->WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
+  if (Status missing = client->WaitForService(kDiscoverySeconds); !missing.ok()) {
+    return Failure(missing.error().message + SimilarSession(network, kSimilarSeconds));
+  }
   RobotRemote remote(std::move(client), robot);
   const Result<ControlReply> reply = remote.Ask();
   if (!reply.ok()) return reply.error();

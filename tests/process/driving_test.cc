@@ -218,6 +218,21 @@ TEST_F(Driving, ToolsNameWhatIsWrong) {
   EXPECT_TRUE(unknown.is_restored());
 }
 
+TEST_F(Driving, ToolsNameTheSessionThatIsMeant) {
+  Start();
+  const std::string meant = "; did you mean '" + session_ + "'?";
+  const std::vector<std::string> in_domain = {"--domain", std::to_string(TestDomain())};
+  EXPECT_THAT(OutputOf(Troupe(std::vector<std::string>{"ctl", "get", "walker", "--session", session_ + "x"} + in_domain), 3),
+              HasSubstr("error: no world service found in session '" + session_ + "x'" + meant));
+  EXPECT_THAT(OutputOf(Troupe(std::vector<std::string>{"goto", "walker", "1,0", "--session", session_ + "x"} + in_domain), 3),
+              HasSubstr(meant));
+  // The run of a viewer may begin later.
+  Program viewer = Troupe(std::vector<std::string>{"view", session_ + "x", "--listen", "127.0.0.1:0"} + in_domain);
+  viewer.WaitForLine("waits for session '" + session_ + "x'" + meant);
+  viewer.Interrupt();
+  viewer.Wait();
+}
+
 TEST_F(Driving, TeleopDrivesByKeysAndRestoresTheTerminal) {
   Start({"--speed", "1"});
   TerminalProgram tool = Teleop({"idler", "--speed", "0.4", "--hold", "30"});

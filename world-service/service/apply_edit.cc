@@ -9,6 +9,7 @@
 
 #include "common/base/json_reader.h"
 #include "common/base/json_writer.h"
+#include "common/base/text.h"
 #include "common/model/goal_text.h"
 #include "common/model/lane_rules.h"
 #include "common/model/states.h"
@@ -99,6 +100,21 @@ class EditApplication {
   const WorldState& state_;
 };
 
+Error NotFound(const std::string& kind, const std::string& name, const std::vector<std::string>& names) {
+  return Error{{}, "the world has no " + kind + " '" + name + "'" + DidYouMean(name, names)};
+}
+
+// Of those that have not been removed.
+template <typename Part>
+std::vector<std::string> NamesOfParts(const WorldDescription& world, const std::vector<Part>& parts) {
+  std::vector<std::string> names;
+  for (const Part& part : parts) {
+    const ModelDescription& model = world.model(part.model);
+    if (!model.removed) names.push_back(model.name);
+  }
+  return names;
+}
+
 // Finds what an input is for.
 struct InputSearch {
   const Scene& scene;
@@ -117,12 +133,12 @@ struct InputSearch {
   }
   Result<Input> operator()(const control::Door& request) const {
     const std::optional<std::size_t> door = FindDoor(world, request.name);
-    if (!door) return Error{{}, "the world has no door '" + request.name + "'"};
+    if (!door) return NotFound("door", request.name, NamesOfParts(world, world.doors));
     return Input{{}, DoorOrder{*door, request.opening}};
   }
   Result<Input> operator()(const control::Lift& call) const {
     const std::optional<std::size_t> number = FindLift(world, call.name);
-    if (!number) return Error{{}, "the world has no lift '" + call.name + "'"};
+    if (!number) return NotFound("lift", call.name, NamesOfParts(world, world.lifts));
     const std::vector<LiftFloor>& floors = world.lifts[*number].floors;
     std::string names;
     for (std::size_t i = 0; i < floors.size(); ++i) {
@@ -148,7 +164,11 @@ struct InputSearch {
   }
   Result<Input> operator()(const control::Zone& request) const {
     const std::optional<std::size_t> zone = FindZone(world, request.name);
-    if (!zone) return Error{{}, "the world has no zone '" + request.name + "'"};
+    if (!zone) {
+      std::vector<std::string> names;
+      for (const ZoneDescription& each : world.zones) names.push_back(each.name);
+      return NotFound("zone", request.name, names);
+    }
     if (world.zones[*zone].kind == ZoneKind::kOneWay) {
       return Error{{}, "the zone '" + request.name + "' is a one_way zone, which is on for the whole run"};
     }

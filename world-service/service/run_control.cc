@@ -85,7 +85,13 @@ void RunControl::Remember(double now) {
 
 Status RunControl::CommandRobot(const control::CommandRobot& request, double now) {
   const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
-  if (!robot) return BadInput("the world has no robot '" + request.name + "'");
+  if (!robot) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < run_.world().robots.size(); ++i) {
+      if (RobotExists(run_.world(), RobotId(i))) names.push_back(run_.world().robots[i].name);
+    }
+    return BadInput("the world has no robot '" + request.name + "'" + DidYouMean(request.name, names));
+  }
   RobotCommand command{*robot, request.twist, request.grippers, request.goal, request.messages};
   // A goal without waypoints is a cancellation; the check below accepts none, so it is set aside for the check.
   const bool cancels_goal = command.goal && command.goal->waypoints.empty();

@@ -1,6 +1,7 @@
 #include "transport/dds/tools/session_monitor.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <iterator>
 #include <map>
@@ -9,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/base/text.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/network_log.h"
 #include "transport/dds/convert/convert.h"
@@ -212,6 +214,23 @@ std::vector<SessionInfo> SessionMonitor::Sessions() {
 
 void SessionMonitor::WaitForChange(double seconds) {
   implementation_->WaitForChange(seconds);
+}
+
+std::string SimilarSession(const NetworkSettings& network, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+  SessionMonitor monitor(network);
+  for (;;) {
+    std::vector<std::string> names;
+    for (const SessionInfo& info : monitor.Sessions()) names.push_back(info.session);
+    // The user's own runs on this host are known before they are discovered.
+    for (const SessionKeys& known : FindSessionKeys(network.domain)) names.push_back(known.session);
+    if (std::find(names.begin(), names.end(), network.session) != names.end()) return "";
+    std::string similar = DidYouMean(network.session, names);
+    const std::chrono::duration<double> left = deadline - Clock::now();
+    if (!similar.empty() || left.count() <= 0.0) return similar;
+    monitor.WaitForChange(left.count());
+  }
 }
 
 Result<std::unique_ptr<SessionObserver>> ObserveSession(const NetworkSettings& network, ObserverHandler& handler) {
