@@ -6,6 +6,7 @@
 #include "common/spatial/scene.h"
 #include "common/spatial/walk_routes.h"
 #include "common/spatial/way_search.h"
+#include "common/spatial/zone_ways.h"
 
 namespace troupe {
 namespace {
@@ -41,13 +42,16 @@ Status CheckWays(const Scene& scene, RobotId robot, const Pose& X_WR, std::span<
   return CheckWays(*grid, X_WR.translation(), points);
 }
 
-std::vector<Vec2> FindWays(const Scene& scene, RobotId robot, const Pose& X_WR, std::span<const Vec2> points) {
+std::vector<Vec2> FindWays(const Scene& scene, const WorldState& state, RobotId robot, std::span<const Vec2> points) {
+  const Pose& X_WR = state.robots[robot.index()].X_WR;
   std::vector<Vec2> ways;
   Vec2 here = X_WR.translation();
   for (const Vec2& point : points) {
     std::vector<Vec2> way = {point};
     for (const double radius : RadiiOfWays(scene, robot)) {
-      Result<Way> found = FindWay(*GridOfRobot(scene, robot, X_WR.z, radius), here, point);
+      const auto grid = GridOfRobot(scene, robot, X_WR.z, radius);
+      const ZoneWays zones(scene.world(), state, X_WR.z, *grid);
+      Result<Way> found = FindWay(*grid, here, point, {}, &zones);
       if (!found.ok()) continue;
       way = std::move(found.value().points);
       break;

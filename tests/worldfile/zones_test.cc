@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/spatial/occupancy_grid.h"
+#include "common/spatial/robot_ways.h"
 #include "common/spatial/scene.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
@@ -223,6 +225,21 @@ TEST_F(Zones, ThatAreKeptOutOfAreGoneAroundByTheWholeBody) {
   // Without the zone it takes the shorter way.
   const LoadedWorld open = Load("[3, -1]", LowerEnd(R"("keepout", "on": false)"));
   EXPECT_FALSE(Holds(open, "always not in(r, lower)", 400));
+}
+
+TEST_F(Zones, ThatAreKeptOutOfAreGoneAroundByTheWaysThatViewersSee) {
+  const Vec2 goal(3.0, -1.0);
+  const auto lowest = [&](const std::string& kind) {
+    const ScenarioRun run(Load("[3, -1]", LowerEnd(kind)).world);
+    const std::vector<Vec2> way = FindWays(run.scene(), run.state(), RobotId(0), std::span(&goal, 1));
+    EXPECT_LT((way.back() - goal).norm(), 0.1);
+    double y = 10.0;
+    for (const Vec2& point : way) y = std::min(y, point.y());
+    return y;
+  };
+  EXPECT_GT(lowest(R"("keepout")"), -1.5);
+  EXPECT_GT(lowest(R"("one_way", "heading": 180)"), -1.5);
+  EXPECT_LT(lowest(R"("keepout", "on": false)"), -2.0);
 }
 
 TEST_F(Zones, ThatAreKeptOutOfAreLeftByARobotInThem) {

@@ -252,9 +252,8 @@ const std::vector<Vec2>& ShownWays::Of(const TimelineState& state, const RobotCo
   if (!is_new && known.goal == goal.goal->number && now < known.at + kPeriod) return known.points;
   known = {goal.goal->number, now, {}};
   if (!SearchesWays(scene_->world().robot(goal.robot))) return known.points;
-  const Pose& X_WR = state.state->robots[goal.robot.index()].X_WR;
   // Points that are reached are not known here: the way to the last one.
-  known.points = FindWays(*scene_, goal.robot, X_WR, std::span(&goal.goal->waypoints.back(), 1));
+  known.points = FindWays(*scene_, *state.state, goal.robot, std::span(&goal.goal->waypoints.back(), 1));
   return known.points;
 }
 
