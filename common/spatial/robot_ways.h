@@ -36,8 +36,8 @@ std::shared_ptr<const WalkGrid> GridOfRobot(const Scene& scene, RobotId robot, d
 // Checks that a robot at X_WR finds ways to the points (m, W). The error names the first one to which none leads.
 Status CheckWays(const Scene& scene, RobotId robot, const Pose& X_WR, std::span<const Vec2> points);
 
-// The way of the robot from where it is in `state` through the points (m, W) to the last of them, around and through the
-// zones that are on as theirs is (common/spatial/zone_ways.h); straight lines where none is found.
+// The way of the robot from where it is in `state` through the points (m, W) to the last of them, around and through
+// the zones that are on as theirs is (common/spatial/zone_ways.h); straight lines where none is found.
 std::vector<Vec2> FindWays(const Scene& scene, const WorldState& state, RobotId robot, std::span<const Vec2> points);
 
 }  // namespace troupe

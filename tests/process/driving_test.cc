@@ -222,10 +222,12 @@ TEST_F(Driving, ToolsNameTheSessionThatIsMeant) {
   Start();
   const std::string meant = "; did you mean '" + session_ + "'?";
   const std::vector<std::string> in_domain = {"--domain", std::to_string(TestDomain())};
-  EXPECT_THAT(OutputOf(Troupe(std::vector<std::string>{"ctl", "get", "walker", "--session", session_ + "x"} + in_domain), 3),
-              HasSubstr("error: no world service found in session '" + session_ + "x'" + meant));
-  EXPECT_THAT(OutputOf(Troupe(std::vector<std::string>{"goto", "walker", "1,0", "--session", session_ + "x"} + in_domain), 3),
-              HasSubstr(meant));
+  EXPECT_THAT(
+      OutputOf(Troupe(std::vector<std::string>{"ctl", "get", "walker", "--session", session_ + "x"} + in_domain), 3),
+      HasSubstr("error: no world service found in session '" + session_ + "x'" + meant));
+  EXPECT_THAT(
+      OutputOf(Troupe(std::vector<std::string>{"goto", "walker", "1,0", "--session", session_ + "x"} + in_domain), 3),
+      HasSubstr(meant));
   // The run of a viewer may begin later.
   Program viewer = Troupe(std::vector<std::string>{"view", session_ + "x", "--listen", "127.0.0.1:0"} + in_domain);
   viewer.WaitForLine("waits for session '" + session_ + "x'" + meant);

@@ -57,8 +57,8 @@ class RobotReadings {
 };
 
 // ShownWays: the ways to goals of robots that viewers have selected, searched in the gateway as the robots search
-// theirs (common/spatial/robot_ways.h), but around static bodies and zones alone. Shared by all viewers, and renewed once
-// in a second.
+// theirs (common/spatial/robot_ways.h), but around static bodies and zones alone. Shared by all viewers, and renewed
+// once in a second.
 class ShownWays {
  public:
   // The points (m, W) from the robot to its goal; empty for a controller whose ways are not known.

@@ -217,8 +217,7 @@ void SessionMonitor::WaitForChange(double seconds) {
 }
 
 std::string SimilarSession(const NetworkSettings& network, double seconds) {
-  using Clock = std::chrono::steady_clock;
-  const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   SessionMonitor monitor(network);
   for (;;) {
     std::vector<std::string> names;
@@ -227,7 +226,7 @@ std::string SimilarSession(const NetworkSettings& network, double seconds) {
     for (const SessionKeys& known : FindSessionKeys(network.domain)) names.push_back(known.session);
     if (std::find(names.begin(), names.end(), network.session) != names.end()) return "";
     std::string similar = DidYouMean(network.session, names);
-    const std::chrono::duration<double> left = deadline - Clock::now();
+    const std::chrono::duration<double> left = deadline - std::chrono::steady_clock::now();
     if (!similar.empty() || left.count() <= 0.0) return similar;
     monitor.WaitForChange(left.count());
   }

@@ -54,7 +54,8 @@ class SessionMonitor {
   std::unique_ptr<Implementation> implementation_;
 };
 
-// The end of a message that a session has not been found: "; did you mean 'demo'?" if one with a similar name runs, else
+// The end of a message that a session has not been found: "; did you mean 'demo'?" if one with a similar name runs,
+// else
 // "". Looks for `seconds` at most, less if it finds one, or the session itself. Throws as a SessionMonitor.
 std::string SimilarSession(const NetworkSettings& network, double seconds);
 
