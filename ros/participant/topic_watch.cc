@@ -167,9 +167,11 @@ void TopicWatch::EndUnwatchedReaders() {
 void TopicWatch::Arm(const std::string& text) {
   {
     const std::lock_guard lock(mutex_);
-    if (text == round_.text) return;
-    std::swap(round_, previous_);
-    if (text != round_.text) round_ = {text, {}};
+    if (text != round_.text) {
+      std::swap(round_, previous_);
+      if (text != round_.text) round_ = {text, {}};
+    }
+    // Also for the same text: the successor of a process that has died arms it again.
     for (const auto& [topic, watch] : watches_) {
       if (round_.arrived.contains(topic)) watch.callbacks.on_arrival(text);
     }

@@ -292,6 +292,17 @@ TEST_F(TickGateTest, ATickThatWasAnsweredIsSoForTheSuccessorOfTheProcessThatHasR
   EXPECT_TRUE(run->IsAnswered());
 }
 
+TEST_F(TickGateTest, ATickThatWasAnsweredIsSoForTheSuccessorOfAProcessThatHasDiedBeforeTheNextOne) {
+  std::optional<WaitingRun> run(std::in_place, host_, std::vector<std::string>{"rt/plan"});
+  ASSERT_TRUE(agent_.IsWanted());
+  BeginWithAnswer(*run);
+  EXPECT_TRUE(run->IsAnswered());
+  run.emplace(host_, std::vector<std::string>{"rt/plan"});
+  run->Arm("run");
+  run->Arm("run 1 0");
+  EXPECT_TRUE(run->IsAnswered());
+}
+
 TEST_F(TickGateTest, AnAgentThatIsStartedAgainShowsNoTickThatWasReleased) {
   WaitingRun run(host_, {"rt/plan"});
   ASSERT_TRUE(agent_.IsWanted());
