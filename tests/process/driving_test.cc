@@ -231,8 +231,8 @@ TEST_F(Driving, ToolsNameTheSessionThatIsMeant) {
   // The run of a viewer may begin later.
   Program viewer = Troupe(std::vector<std::string>{"view", session_ + "x", "--listen", "127.0.0.1:0"} + in_domain);
   viewer.WaitForLine("waits for session '" + session_ + "x'" + meant);
-  viewer.Interrupt();
-  viewer.Wait();
+  viewer.Signal(SIGINT);
+  EXPECT_EQ(viewer.Wait(), 0) << viewer.output();
 }
 
 TEST_F(Driving, TeleopDrivesByKeysAndRestoresTheTerminal) {
