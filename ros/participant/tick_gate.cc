@@ -170,7 +170,7 @@ void TickGate::UpdateCalls() {
   watch_.WakeOnArrival(has_calls);  // before it is asked what has arrived
   if (!has_calls) return;           // nearly always: what is missing need not be found
   watch_.Update();                  // the writers of a caller are known before its call
-  HeldCalls::Tick tick{.waiting = watch_.FindWaiting(), .is_told = told_ && told_->is_written};
+  HeldCalls::Tick tick{.missing = {}, .waiting = watch_.FindWaiting(), .is_told = told_ && told_->is_written};
   if (tick.is_told) {
     tick.missing = watch_.FindMissing(told_->agent, told_->awaited);
   } else if (is_shown_ && !is_closed_) {
