@@ -89,7 +89,7 @@ TEST(PlannedLanes, RobotsExchangeTheEndsOfALaneWithASiding) {
 }
 
 // A corridor of 12 m with a door in its middle, one of 4 m in a group, and one of 2 m.
-constexpr const char* kCorridor = R"(
+constexpr const char* kCorridorOfWaits = R"(
 name: corridor
 coordinate_system: cartesian_meters
 levels:
@@ -112,10 +112,11 @@ levels:
 
 TEST(PlannedLanes, LongLanesHaveWaitingPoints) {
   test::TemporaryFolder folder;
-  const LaneGraph without = LoadOnLanes(folder, kCorridor, OnLanes("r1", R"({"planned": false})")).lane_graphs[0];
+  const LaneGraph without =
+      LoadOnLanes(folder, kCorridorOfWaits, OnLanes("r1", R"({"planned": false})")).lane_graphs[0];
   ASSERT_EQ(without.vertices.size(), 4u);
   ASSERT_EQ(without.lanes.size(), 3u);
-  const LaneGraph graph = LoadOnLanes(folder, kCorridor, OnLanes("r1", "{}")).lane_graphs[0];
+  const LaneGraph graph = LoadOnLanes(folder, kCorridorOfWaits, OnLanes("r1", "{}")).lane_graphs[0];
   ASSERT_GT(graph.vertices.size(), 8u);
   EXPECT_EQ(graph.vertices.size() - 4, graph.lanes.size() - 3);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(graph.vertices[i], without.vertices[i]);
