@@ -400,15 +400,15 @@ TEST(Evacuation, APersonInTheCabinRidesToTheLevelOfTheExit) {
   AddEvacuation(house, 2, {10.0, 5.0});
   const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
   PeopleRun run(house.world);
-  const auto& row = run.state.people[anna.index()];
-  ASSERT_TRUE(run.StepUntil(600, [&] { return row.X_WP.z > 0.5; }));
-  const std::uint32_t call = row.call_tick;
+  const auto row = [&]() -> const PersonState& { return run.state.people[anna.index()]; };
+  ASSERT_TRUE(run.StepUntil(600, [&] { return row().X_WP.z > 0.5; }));
+  const std::uint32_t call = row().call_tick;
   RaiseAlarm(run);
   std::uint32_t last_call = call;
   EXPECT_TRUE(run.StepUntil(900, [&] {
-    EXPECT_TRUE(row.X_WP.z < 0.5 || run.Place(anna).x() < 0.0) << "it has got off";
-    if (row.call_tick != 0) last_call = row.call_tick;
-    return IsAway(row);
+    EXPECT_TRUE(row().X_WP.z < 0.5 || run.Place(anna).x() < 0.0) << "it has got off";
+    if (row().call_tick != 0) last_call = row().call_tick;
+    return IsAway(row());
   }));
   EXPECT_EQ(last_call, call);
 }
