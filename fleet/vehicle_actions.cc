@@ -291,12 +291,19 @@ void RefuseMessage(VehicleMemory& memory, const InstantActionsReceived& received
   error.type = type;
   error.level = level;
   error.description = description;
-  error.references = {{{"topic", "instantActions"}, {"headerId", std::to_string(received.message.header.header_id)}}};
-  for (const MessageFault& fault : faults) error.references->push_back({"field", fault.ToString()});
-  ReportError(memory, {std::move(error), ErrorEnd::kInstantAction});
+  ReportRefusal(memory, "instantActions", received.message.header, std::move(error), faults);
 }
 
 }  // namespace
+
+void ReportRefusal(VehicleMemory& memory, const std::string& topic, const Header& header, VehicleError error,
+                   const std::vector<MessageFault>& faults) {
+  std::vector<Reference> references = {{"topic", topic}, {"headerId", std::to_string(header.header_id)}};
+  if (error.references) references.insert(references.end(), error.references->begin(), error.references->end());
+  for (const MessageFault& fault : faults) references.push_back({"field", fault.ToString()});
+  error.references = std::move(references);
+  ReportError(memory, {std::move(error), ErrorEnd::kInstantAction});
+}
 
 void ReportError(VehicleMemory& memory, ReportedError reported) {
   std::erase_if(memory.errors, [&](const ReportedError& other) {

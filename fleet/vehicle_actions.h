@@ -11,6 +11,11 @@ namespace troupe::fleet {
 // Adds an error, in place of an equal one of its type and references.
 void ReportError(VehicleMemory& memory, ReportedError reported);
 
+// The error about a message as a whole, which is refused. Its references name the topic and the header before those of
+// `error`, and the places of the faults behind them. It ends with the next instant action that is accepted.
+void ReportRefusal(VehicleMemory& memory, const std::string& topic, const Header& header, VehicleError error,
+                   const std::vector<MessageFault>& faults);
+
 // The waiting actions of a node or an edge wait for their turn from now on.
 void TriggerActions(VehicleMemory& memory, ActionScope scope, std::uint32_t sequence_id);
 // The actions of an edge end: started ones are finished, queued ones have failed.

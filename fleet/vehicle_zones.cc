@@ -9,12 +9,11 @@ namespace troupe::fleet {
 namespace {
 
 constexpr std::size_t kMostZoneSets = 100;
-constexpr char kTopicReference[] = "topic";
 constexpr char kZoneSetTopic[] = "zoneSet";
 
 bool IsOfZoneSet(const ReportedError& reported) {
   return reported.error.references && !reported.error.references->empty() &&
-         reported.error.references->front() == Reference{kTopicReference, kZoneSetTopic};
+         reported.error.references->front() == Reference{"topic", kZoneSetTopic};
 }
 
 // Ends with the next set that is accepted.
@@ -24,11 +23,8 @@ void RefuseSet(VehicleMemory& memory, const ZoneSetReceived& received, const std
   error.type = type;
   error.level = level;
   error.description = description;
-  error.references = {{{kTopicReference, kZoneSetTopic},
-                       {"headerId", std::to_string(received.set.header.header_id)},
-                       {"zoneSetId", received.set.zone_set_id}}};
-  for (const MessageFault& fault : received.faults) error.references->push_back({"field", fault.ToString()});
-  ReportError(memory, {std::move(error), ErrorEnd::kInstantAction});
+  error.references = {{{"zoneSetId", received.set.zone_set_id}}};
+  ReportRefusal(memory, kZoneSetTopic, received.set.header, std::move(error), received.faults);
 }
 
 bool SaysTheSame(ZoneSet a, const ZoneSet& b) {
@@ -95,10 +91,7 @@ void TakeResponses(VehicleMemory& memory, const ResponsesReceived& received) {
     VehicleError error;
     error.type = "VALIDATION_FAILURE";
     error.description = "responses rejected: wrong JSON or types";
-    error.references = {
-        {{kTopicReference, "responses"}, {"headerId", std::to_string(received.message.header.header_id)}}};
-    for (const MessageFault& fault : received.faults) error.references->push_back({"field", fault.ToString()});
-    return ReportError(memory, {std::move(error), ErrorEnd::kInstantAction});
+    return ReportRefusal(memory, "responses", received.message.header, std::move(error), received.faults);
   }
   for (const RequestResponse& response : received.message.responses) {
     const auto found = FindById(memory, response.request_id);

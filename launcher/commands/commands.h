@@ -55,7 +55,6 @@ int Fail(const Error& error);
 
 // For the discovery of a service by a tool.
 inline constexpr double kDiscoverySeconds = 5.0;
-inline constexpr double kSimilarSeconds = 1.0;  // in which a session with a similar name is looked for
 
 // The session of a tool that is given none: sessions are discovered one after another, so the only one found may not be
 // the only one there is. The choice is made after a time without news, longer the less is known.

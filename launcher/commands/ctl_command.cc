@@ -49,7 +49,7 @@ Result<ControlReply> SendRequest(const CtlOptions& options) {
   if (const Status problem = SelectSession(network); !problem.ok()) return problem.error();
   ControlClient client(network);
   if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) {
-    return Failure(missing.error().message + SimilarSession(network, kSimilarSeconds));
+    return Failure(missing.error().message + SimilarSession(network));
   }
   control::Request request = options.request;
   if (Status failure = SetHeight(options, client, request); !failure.ok()) return failure.error();

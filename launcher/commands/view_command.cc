@@ -187,7 +187,7 @@ ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
 void SayWhetherItWaits(const NetworkSettings& network) {
   ControlClient client(network);
   if (client.WaitForService(kSimilarSeconds).ok()) return;
-  PrintPlain(stderr, "waits for session '{}'{}\n", network.session, SimilarSession(network, kSimilarSeconds));
+  PrintPlain(stderr, "waits for session '{}'{}\n", network.session, SimilarSession(network));
 }
 
 int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, SignalWatch& signals,

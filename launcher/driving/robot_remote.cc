@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kReplySeconds = 10.0;
 constexpr double kDiscoverySeconds = 5.0;
-constexpr double kSimilarSeconds = 1.0;
 constexpr double kMeasureSeconds = 0.3;
 
 constexpr char kEscape = '\033';
@@ -42,7 +41,7 @@ void RestoreAndDie(int signal) {
 Result<RobotRemote> RobotRemote::Connect(const NetworkSettings& network, const std::string& robot) {
   auto client = std::make_unique<ControlClient>(network);
   if (Status missing = client->WaitForService(kDiscoverySeconds); !missing.ok()) {
-    return Failure(missing.error().message + SimilarSession(network, kSimilarSeconds));
+    return Failure(missing.error().message + SimilarSession(network));
   }
   RobotRemote remote(std::move(client), robot);
   const Result<ControlReply> reply = remote.Ask();

@@ -53,7 +53,7 @@ class HeldCalls {
   std::set<std::string> Update(const Tick& tick);
 
  private:
-  // A program that has called, and what is known of it.
+  // A program that has called: the participants in it, as far as they are known.
   struct Caller {
     std::set<std::string> participants;
     std::string name;  // by which its calls are put in order

@@ -212,7 +212,7 @@ class ReusableService {
   std::optional<ServedContent> served_;                  // by the side on Fast DDS
   mutable std::mutex mutex_;                             // guards the four below
   Sink sink_;                                            // while attached
-  std::size_t returned_ = 0;                             // since StopPassing, at the begin of the one below
+  std::size_t returned_ = 0;                             // since StopPassing, at the front of waiting_
   std::deque<Waiting> waiting_;                          // requests
   std::deque<std::pair<CallHeader, Bytes>> unanswered_;  // that an agent was passed
   FastDdsSide* const fast_dds_;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "common/base/json_tree.h"
@@ -16,15 +17,12 @@ namespace fs = std::filesystem;
 
 // hotel.building.yaml: hotel.json; hall.lif.json: hall.json; hall.json, a layout: hall.scenario.json.
 std::string ScenarioBeside(const std::string& path) {
-  fs::path bare(path);
-  for (const char* const ending : {".json", ".building.yaml", ".building.yml", ".lif"}) {
-    const std::string name = bare.filename().string();
-    if (name.ends_with(ending)) bare.replace_filename(name.substr(0, name.size() - std::string(ending).size()));
+  std::string bare = fs::path(path).replace_extension().string();
+  for (const char* const ending : {".building", ".lif"}) {
+    if (bare.ends_with(ending)) bare.resize(bare.size() - std::string_view(ending).size());
   }
-  const bool is_json = path.ends_with(".json");
-  if (bare.filename() == fs::path(path).filename()) bare.replace_extension();
-  const std::string beside = bare.string() + ".json";
-  return is_json && beside == path ? bare.string() + ".scenario.json" : beside;
+  const std::string beside = bare + ".json";
+  return beside != path ? beside : bare + ".scenario.json";
 }
 
 // Whether the text of a scenario names the file as its world.

@@ -180,7 +180,7 @@ class LiftService {
   }
 
   // People in the cabin have to go on, and one who waits here has failed to get on a short while ago, because of the
-  // crowd before the doorway: the lift leaves, and comes back for the others.
+  // crowd before the doorway: the lift leaves, and returns for the others.
   bool IsHeldUp() const {
     const bool has_riders = std::any_of(passengers_.begin(), passengers_.end(), [&](const Passenger& each) {
       return each.is_inside && each.state->place != 0 && each.state->floor != lift_.floor;

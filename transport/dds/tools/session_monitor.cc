@@ -216,8 +216,8 @@ void SessionMonitor::WaitForChange(double seconds) {
   implementation_->WaitForChange(seconds);
 }
 
-std::string SimilarSession(const NetworkSettings& network, double seconds) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+std::string SimilarSession(const NetworkSettings& network) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(kSimilarSeconds);
   SessionMonitor monitor(network);
   for (;;) {
     std::vector<std::string> names;

@@ -54,10 +54,10 @@ class SessionMonitor {
   std::unique_ptr<Implementation> implementation_;
 };
 
-// The end of a message that a session has not been found: "; did you mean 'demo'?" if one with a similar name runs,
-// else
-// "". Looks for `seconds` at most, less if it finds one, or the session itself. Throws as a SessionMonitor.
-std::string SimilarSession(const NetworkSettings& network, double seconds);
+inline constexpr double kSimilarSeconds = 1.0;
+// The end of a message that a session has not been found: "; did you mean 'demo'?" if one with a similar name runs, or
+// nothing. Looks for kSimilarSeconds at most, less if it finds one, or the session itself. Throws as a SessionMonitor.
+std::string SimilarSession(const NetworkSettings& network);
 
 // ObserveSession: follows the run of a session.
 

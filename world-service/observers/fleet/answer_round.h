@@ -5,7 +5,7 @@
 //   sending    each vehicle sends itself a message through the broker, behind those of the tick. When these have come
 //              back, the broker has all messages of the tick;
 //   answering  in lockstep the fleet control is asked, and says when it has answered; else no message comes for a time;
-//   receiving  each vehicle sends itself another message. When these have come back, so have the answers, which the
+//   receiving  each vehicle sends itself another message. When these have returned, so have the answers, which the
 //              broker had before.
 // In lockstep no wall time has an influence, but for a broker that loses what vehicles send themselves.
 //
@@ -58,7 +58,7 @@ class AnswerRound {
   void Echoed(std::set<std::size_t> clients, double now);
   void Returned(std::size_t client, std::uint64_t token);
   void Lost(std::size_t client) { awaited_.erase(client); }  // it has no connection
-  // Clients whose message has not come back in time, once.
+  // The number of clients whose messages have not returned in time; each is counted once.
   std::size_t TakeMissing();
   // A message of a fleet control has come.
   void Heard(double now);
