@@ -231,6 +231,24 @@ TEST_P(TransportContract, AgentLearnsThatTheServiceHasEnded) {
   EXPECT_TRUE(agent.service_gone.WaitFor(kPatience, [](bool) { return true; }));
 }
 
+// A service may be continued before its end is known, by its lease, to all.
+TEST_P(TransportContract, SessionOfASuccessorArrivesThoughItsPredecessorEndsLater) {
+  StartedService first(rig_->ForService());
+  first.endpoint->SendSession(SomeSession(77));
+  StartedAgent agent(rig_->ForAgent(), 1);
+  ASSERT_TRUE(agent.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
+  SessionMessage continued = SomeSession(77);
+  continued.incarnation = 1;
+  StartedService second(rig_->ForService());
+  second.endpoint->SendSession(continued);
+  // The agent has discovered the second one, and in most runs has its session by now.
+  ASSERT_TRUE(SendUntil(
+      agent.admissions, [&] { second.endpoint->SendAdmissions({AdmissionMessage{99, 1, true, ""}}); },
+      [](const AdmissionMessage& came) { return came.run == 99; }));
+  first.endpoint.reset();
+  EXPECT_TRUE(agent.sessions.WaitFor(kPatience, [](const SessionMessage& next) { return next.incarnation == 1; }));
+}
+
 TEST_P(TransportContract, ServicesOfOneSessionDetectEachOther) {
   StartedService first(rig_->ForService());
   first.endpoint->SendSession(SomeSession(77));

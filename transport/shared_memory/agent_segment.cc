@@ -98,7 +98,7 @@ void AgentSegment::Close() {
 
 AgentSegment::Outcome AgentSegment::ReadSession(SessionMessage& session, PreparedWorld& prepared, Status& reason) {
   if (closing_) return Outcome::kNothing;
-  if (frames().ended.load(std::memory_order_acquire) != 0) return Outcome::kEnded;
+  if (end() == SharingEnd::kNetwork) return Outcome::kNetwork;
   SharedSession shared;
   bool is_read = false;
   const bool is_new = ReadNewer(frames().session, frames().session_words, session_,
@@ -108,7 +108,7 @@ AgentSegment::Outcome AgentSegment::ReadSession(SessionMessage& session, Prepare
       is_read ? AttachWorld(service_, shared.image) : Failure("it has a session with a value that is not known");
   if (!attached.ok()) {
     reason = attached.error();
-    return Outcome::kEnded;
+    return Outcome::kNetwork;
   }
   prepared = std::move(attached).value();
   session = SessionMessage{.run = shared.run,
@@ -126,9 +126,11 @@ AgentSegment::Outcome AgentSegment::ReadSession(SessionMessage& session, Prepare
 AgentSegment::Outcome AgentSegment::Read(const FrameInPlace*& frame) {
   for (;;) {
     if (closing_) return Outcome::kNothing;
-    if (frames().ended.load(std::memory_order_acquire) != 0) return Outcome::kEnded;
+    // Before the newest frame: of a run that is over, that one is then the last.
+    const SharingEnd ended = end();
+    if (ended == SharingEnd::kNetwork) return Outcome::kNetwork;
     const std::uint64_t newest = frames().newest.load(std::memory_order_acquire);
-    if (FrameIn(newest) == read_) return Outcome::kNothing;
+    if (FrameIn(newest) == read_) return ended == SharingEnd::kRunOver ? Outcome::kRunOver : Outcome::kNothing;
     // In this order (sequentially consistent): see Pin.
     SetPin(newest);
     if (frames().newest.load() != newest) continue;

@@ -34,14 +34,18 @@ class AgentSegment {
   // publication end the next wait, too: Read then finds nothing.
   bool Wait();
 
-  enum class Outcome : std::uint8_t { kNothing, kNews, kEnded };
-  // The newest session, unless it was read before. Its world is in an image, and `prepared` has its scene. kEnded: all
-  // sessions and frames travel over the network from now on; `reason` may say why.
+  enum class Outcome : std::uint8_t {
+    kNothing,
+    kNews,
+    kNetwork,  // all sessions and frames travel over the network from now on
+    kRunOver,  // the service has ended in order, and its last frame was read
+  };
+  // The newest session, unless it was read before. Its world is in an image, and `prepared` has its scene. Never
+  // kRunOver; with kNetwork, `reason` may say why.
   Outcome ReadSession(SessionMessage& session, PreparedWorld& prepared, Status& reason);
   // ReadSession returns the last one again.
   void ForgetSession() { session_ = 0; }
-  // The newest frame, unless it was read before; nothing changes it until the next call or the end of this. kEnded: as
-  // above.
+  // The newest frame, unless it was read before; nothing changes it until the next call or the end of this.
   Outcome Read(const FrameInPlace*& frame);
 
   enum class Sent : std::uint8_t {
@@ -59,6 +63,7 @@ class AgentSegment {
                std::size_t pin);
 
   const FramesHeader& frames() const { return frames_->At<FramesHeader>(0); }
+  SharingEnd end() const { return static_cast<SharingEnd>(frames().end.load(std::memory_order_acquire)); }
   const FrameInPlace& FrameOf(std::uint64_t newest) const {
     return frames_->At<const FrameInPlace>(BufferOffset(BufferIn(newest)) + SharedArena::kFirstObject);
   }

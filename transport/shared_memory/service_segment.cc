@@ -99,7 +99,7 @@ Status ServiceSegment::PublishSession(const SessionMessage& session) {
   if (image_ == nullptr || &*world_of_image_ != &*session.world) {
     auto made = WorldImage::Make(session.world);
     if (!made.ok()) {
-      End();
+      End(SharingEnd::kNetwork);
       return made.error();
     }
     // Agents that still use the previous one have its memory mapped.
@@ -112,7 +112,7 @@ Status ServiceSegment::PublishSession(const SessionMessage& session) {
                                    session.lease_seconds, session.begun, session.world_edition, session.incarnation,
                                    image_->place()});
   if (!writer.Finish()) {
-    End();
+    End(SharingEnd::kNetwork);
     return Failure("the name of the host is too long for shared memory");
   }
   Announce();
@@ -168,7 +168,7 @@ Status ServiceSegment::Publish(const FrameMessage& frame) {
   if (ended_) return {};
   const std::optional<std::size_t> free = FindFreeBuffer();
   if (!free) {
-    End();
+    End(SharingEnd::kNetwork);
     return Failure("stopped agents read all frames in shared memory");
   }
   Buffer& buffer = buffers_[*free];
@@ -176,7 +176,7 @@ Status ServiceSegment::Publish(const FrameMessage& frame) {
   try {
     Fill(buffer, *free, frame);
   } catch (const std::bad_alloc&) {
-    End();
+    End(SharingEnd::kNetwork);
     return Failure("a frame is too long for shared memory, or the system has none");
   }
   missing_ = CountExpected(frame);
@@ -202,10 +202,15 @@ void ServiceSegment::Wake() {
   FutexWake(answers().wakes);
 }
 
-void ServiceSegment::End() {
+void ServiceSegment::End(SharingEnd end) {
   ended_ = true;
-  frames().ended.store(1, std::memory_order_release);
+  frames().end.store(static_cast<std::uint64_t>(end), std::memory_order_release);
   Announce();
+}
+
+void ServiceSegment::EndRun() {
+  const std::lock_guard lock(mutex_);
+  if (!ended_) End(SharingEnd::kRunOver);
 }
 
 double ServiceSegment::LongestWait() const {

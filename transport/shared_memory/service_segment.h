@@ -62,6 +62,9 @@ class ServiceSegment {
   // The answers since the last call, in the order of their sending. Valid until the next call.
   std::span<const SharedAnswer> Collect();
 
+  // The service has ended in order: the newest frame is the last. Nothing is published after it.
+  void EndRun();
+
   // No thread waits any more when it returns, and none will.
   void Close();
 
@@ -92,7 +95,7 @@ class ServiceSegment {
   void Wake();
   // Wakes the agents for the latest publication.
   void Announce();
-  void End();
+  void End(SharingEnd end);
   // The first buffer that no agent reads, without the newest frame; nothing: agents read them all. REQUIRES: the mutex
   // is held.
   std::optional<std::size_t> FindFreeBuffer();

@@ -40,7 +40,7 @@ void FutexWake(const FutexWord& word, std::uint32_t groups) {
 }
 
 std::uint64_t SharedLayout() {
-  constexpr std::uint64_t fields = LayoutOf<SharedSession>(LayoutOf<ProposalMessage>(0x54726f7570650008));
+  constexpr std::uint64_t fields = LayoutOf<SharedSession>(LayoutOf<ProposalMessage>(0x54726f7570650009));
   return fields ^ LayoutOfBuild();
 }
 

@@ -130,12 +130,19 @@ inline constexpr std::size_t kSessionWords = 256;
 // words of values (words.h).
 std::uint64_t SharedLayout();
 
+// The end of what a service publishes in the memory.
+enum class SharingEnd : std::uint64_t {
+  kNotYet,
+  kNetwork,  // sessions and frames travel over the network from now on
+  kRunOver,  // the service has ended in order; the newest frame is the last
+};
+
 // Only the service writes these, so that no agent can change the frames of another one.
 struct FramesHeader {
   Word layout;
   Word key;
   Word place;  // address of this memory
-  Word ended;  // not 0: frames travel over the network from now on
+  Word end;    // a SharingEnd
   SeqlockHeader session;
   std::array<Word, kSessionWords> session_words;
   // Counts all that the service publishes: frames, sessions, the end. Agents wait for it.

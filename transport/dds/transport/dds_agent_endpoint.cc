@@ -12,7 +12,8 @@ namespace troupe::dds {
 
 namespace {
 
-constexpr double kMaxLeaveWait = 1.0;  // s, for which the service may acknowledge the last samples
+constexpr double kMaxLeaveWait = 1.0;           // s, for which the service may acknowledge the last samples
+constexpr std::size_t kMaxWaitingSessions = 4;  // a world may be large, and any participant may claim to continue a run
 constexpr auto kMakePeriod = std::chrono::milliseconds(500);  // between two attempts to make the network's endpoints
 
 Qos SessionQos(bool with_earlier) {
@@ -113,9 +114,9 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
   histories_.Close();
   network_.Close();
   {
-    const std::lock_guard lock(segments_mutex_);
-    for (const auto& [writer, segment] : segments_) {
-      if (segment) segment->Close();
+    const std::lock_guard lock(ways_mutex_);
+    for (const auto& [writer, way] : ways_) {
+      if (way.segment) way.segment->Close();
     }
   }
   // After the segments were closed: their threads end.
@@ -162,21 +163,22 @@ void DdsAgentEndpoint::SelectTransports() {
   JoinEndedReaders();
   for (const Sender* service : sessions_.Matched()) {
     if (!services_.MayBeService(service->participant)) continue;
-    const std::lock_guard lock(segments_mutex_);
-    const auto [way, is_new] = segments_.try_emplace(service->writer);
+    const std::lock_guard lock(ways_mutex_);
+    const auto [known, is_new] = ways_.try_emplace(service->writer);
     // A way is chosen once for each service.
     if (!is_new) continue;
-    way->second = OpenSegment(*service);
+    Way& way = known->second;
+    way = {service->participant, OpenSegment(*service)};
     try {
-      if (way->second) {
-        std::thread reader([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
-        readers_.push_back({way->second, std::move(reader)});
+      if (way.segment) {
+        std::thread reader([this, from = way] { ReadFrames(from); });
+        readers_.push_back({way.segment, std::move(reader)});
       }
     } catch (const std::system_error& error) {
       connection_.Report(std::string("no data sharing with the world service: cannot start a thread: ") + error.what());
-      way->second.reset();
+      way.segment.reset();
     }
-    if (!way->second) network_.Open();
+    if (!way.segment) network_.Open();
   }
 }
 
@@ -206,63 +208,72 @@ DdsAgentEndpoint::Segment DdsAgentEndpoint::OpenSegment(const Sender& service) {
   return nullptr;
 }
 
-void DdsAgentEndpoint::ReadFrames(const Segment& segment, const GuidPrefix& service) {
-  bool is_shared = true;
-  while (is_shared && segment->Wait()) {
+void DdsAgentEndpoint::ReadFrames(const Way& way) {
+  while (way.segment->Wait()) {
     Deliver([&] {
       const std::lock_guard lock(mutex_);
-      is_shared = DrainSegment(*segment, service);
+      DrainSegment(way);
     });
   }
-  // The service has ended sharing: its session and its later frames come over the network.
-  if (is_shared) return;
-  {
-    const std::lock_guard lock(segments_mutex_);
-    for (auto& [writer, shared] : segments_) {
-      if (shared == segment) shared.reset();
-    }
-  }
-  network_.Open();
 }
 
 bool DdsAgentEndpoint::IsShared(const Sender& service) {
-  const std::lock_guard lock(segments_mutex_);
-  const auto way = segments_.find(service.writer);
-  return way != segments_.end() && way->second != nullptr;
+  const std::lock_guard lock(ways_mutex_);
+  const auto way = ways_.find(service.writer);
+  return way != ways_.end() && way->second.segment != nullptr;
 }
 
-bool DdsAgentEndpoint::DrainSegment(AgentSegment& segment, const GuidPrefix& service) {
-  if (!DrainSharedSession(segment, service)) return false;
+void DdsAgentEndpoint::DrainSegment(const Way& way) {
+  switch (ReadSegment(*way.segment, way.service)) {
+    case AgentSegment::Outcome::kNothing:
+    case AgentSegment::Outcome::kNews:
+      return;
+    case AgentSegment::Outcome::kNetwork:
+      EndWay(way.service);
+      network_.Open();
+      return;
+    case AgentSegment::Outcome::kRunOver:
+      EndRuns(way.service, true);
+      return;
+  }
+}
+
+void DdsAgentEndpoint::EndWay(const GuidPrefix& service) {
+  const std::lock_guard lock(ways_mutex_);
+  for (auto& [writer, way] : ways_) {
+    if (way.service != service || !way.segment) continue;
+    way.segment->Close();
+    way.segment.reset();
+  }
+}
+
+AgentSegment::Outcome DdsAgentEndpoint::ReadSegment(AgentSegment& segment, const GuidPrefix& service) {
+  if (!ReadSharedSession(segment, service)) return AgentSegment::Outcome::kNetwork;
   const FrameInPlace* frame = nullptr;
   for (;;) {
-    switch (segment.Read(frame)) {
-      case AgentSegment::Outcome::kNothing:
-        return true;
-      case AgentSegment::Outcome::kNews:
-        if (services_.Judge(frame->message.run, frame->message.incarnation, service) !=
-            ServiceRegistry::Verdict::kService) {
-          break;
-        }
-        if (frame->is_checked) {
-          handler_->OnCheckedFrame(frame->message);
-        } else {
-          handler_->OnFrame(frame->message);
-        }
-        break;
-      case AgentSegment::Outcome::kEnded:
-        return false;
+    const AgentSegment::Outcome outcome = segment.Read(frame);
+    if (outcome != AgentSegment::Outcome::kNews) return outcome;
+    if (services_.Judge(frame->message.run, frame->message.incarnation, service) !=
+        ServiceRegistry::Verdict::kService) {
+      continue;
+    }
+    if (frame->is_checked) {
+      handler_->OnCheckedFrame(frame->message);
+    } else {
+      handler_->OnFrame(frame->message);
     }
   }
 }
 
-bool DdsAgentEndpoint::DrainSharedSession(AgentSegment& segment, const GuidPrefix& service) {
+bool DdsAgentEndpoint::ReadSharedSession(AgentSegment& segment, const GuidPrefix& service) {
   SessionMessage session;
   PreparedWorld prepared;
   Status reason;
   switch (segment.ReadSession(session, prepared, reason)) {
     case AgentSegment::Outcome::kNothing:
+    case AgentSegment::Outcome::kRunOver:
       return true;
-    case AgentSegment::Outcome::kEnded:
+    case AgentSegment::Outcome::kNetwork:
       if (!reason.ok()) {
         connection_.Report("no data sharing with the world service any more: " + reason.error().message);
       }
@@ -287,15 +298,16 @@ void DdsAgentEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   sessions_.Drain(
       [this](const troupe_wire_Session& session, const Sender& sender) {
-        if (!services_.Admits(sessions_, session.run, session.incarnation, sender)) return false;
-        if (session.ended) EndRuns(sender, true);
+        const auto verdict = services_.JudgeAndRefuse(sessions_, session.run, session.incarnation, sender);
+        if (verdict == ServiceRegistry::Verdict::kNotService) return false;
+        if (session.ended) EndRuns(sender.participant, true);
         return !session.ended && !data_sharing_;
       },
-      [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
+      [this](const SessionMessage& session, const Sender& sender) { TakeSession(session, sender); },
       [this](const Sender& ended) {
-        EndRuns(ended, false);
-        const std::lock_guard segments_lock(segments_mutex_);
-        segments_.erase(ended.writer);
+        EndRuns(ended.participant, false);
+        const std::lock_guard ways_lock(ways_mutex_);
+        ways_.erase(ended.writer);
       });
   sessions_.Clear();  // a world may be large, and is received once
   SelectTransports();
@@ -306,24 +318,33 @@ void DdsAgentEndpoint::DrainNetworkSessions(Sessions& sessions) {
   sessions.Drain(
       [&](const troupe_wire_Session& session, const Sender& sender) {
         // The end of a service, and sessions that are shared, come otherwise.
-        return !session.ended && !IsShared(sender) &&
-               services_.Admits(sessions, session.run, session.incarnation, sender);
+        if (session.ended || IsShared(sender)) return false;
+        return services_.JudgeAndRefuse(sessions, session.run, session.incarnation, sender) !=
+               ServiceRegistry::Verdict::kNotService;
       },
-      [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); });
+      [this](const SessionMessage& session, const Sender& sender) { TakeSession(session, sender); });
   sessions.Clear();  // a world may be large, and is received once
 }
 
-void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {
-  Segment segment;
-  {
-    const std::lock_guard lock(segments_mutex_);
-    if (const auto way = segments_.find(service.writer); way != segments_.end()) segment = std::move(way->second);
+void DdsAgentEndpoint::TakeSession(const SessionMessage& session, const Sender& sender) {
+  if (services_.Judge(session.run, session.incarnation, sender.participant) == ServiceRegistry::Verdict::kService) {
+    handler_->OnSession(session);
+  } else if (waiting_.size() < kMaxWaitingSessions || waiting_.contains(sender.participant)) {
+    waiting_.insert_or_assign(sender.participant, session);
   }
-  if (segment) {
-    DrainSegment(*segment, service.participant);  // the last frame
-    segment->Close();
+}
+
+void DdsAgentEndpoint::EndRuns(const GuidPrefix& service, bool in_order) {
+  for (const Way& way : SharedWays()) {
+    if (way.service != service) continue;
+    // The last frame. A service that ended in order may be known to have ended by its lease alone, if it had not
+    // discovered this reader of its last session.
+    if (ReadSegment(*way.segment, service) == AgentSegment::Outcome::kRunOver) in_order = true;
   }
-  for (const RunId run : services_.Forget(service.participant)) {
+  EndWay(service);
+  waiting_.erase(service);
+  const std::vector<RunId> ended = services_.Forget(service);
+  for (const RunId run : ended) {
     // The late end of an earlier run of the session is of no concern to this agent.
     const RunId joined = joined_run_;
     if (run != joined && (joined != 0 || !services_.empty())) continue;
@@ -333,6 +354,26 @@ void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {
       handler_->OnServiceLost();
     }
   }
+  if (!ended.empty()) FollowSuccessor();
+}
+
+void DdsAgentEndpoint::FollowSuccessor() {
+  std::erase_if(waiting_, [this](const auto& waiting) {
+    const auto& [service, session] = waiting;
+    if (services_.Judge(session.run, session.incarnation, service) != ServiceRegistry::Verdict::kService) return false;
+    handler_->OnSession(session);
+    return true;
+  });
+  for (const Way& way : SharedWays()) DrainSegment(way);
+}
+
+std::vector<DdsAgentEndpoint::Way> DdsAgentEndpoint::SharedWays() {
+  const std::lock_guard lock(ways_mutex_);
+  std::vector<Way> shared;
+  for (const auto& [writer, way] : ways_) {
+    if (way.segment) shared.push_back(way);
+  }
+  return shared;
 }
 
 void DdsAgentEndpoint::DrainAdmissions() {
@@ -373,11 +414,11 @@ void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {
 void DdsAgentEndpoint::SendProposal(const ProposalMessage& proposal) {
   bool needs_network = !data_sharing_;
   {
-    const std::lock_guard lock(segments_mutex_);
-    for (const auto& [writer, segment] : segments_) {
+    const std::lock_guard lock(ways_mutex_);
+    for (const auto& [writer, way] : ways_) {
       // An agent that has not got a slot yet (kNotJoined) does not need the network: the service does not expect its
       // proposal.
-      if (segment && segment->Send(proposal) != AgentSegment::Sent::kImpossible) continue;
+      if (way.segment && way.segment->Send(proposal) != AgentSegment::Sent::kImpossible) continue;
       needs_network = true;
     }
   }

@@ -15,7 +15,7 @@
 // ignored, and reported once.
 //
 // Locks: `mutex_` is held during every call of the handler, so that handlers run one at a time, whichever thread
-// received; `segments_mutex_` is locked after it and guards the ways alone, so that a proposal can be sent from inside
+// received; `ways_mutex_` is locked after it and guards the ways alone, so that a proposal can be sent from inside
 // a handler.
 #pragma once
 
@@ -93,6 +93,11 @@ class DdsAgentEndpoint : public AgentEndpoint {
     std::condition_variable closing_;
   };
   using Segment = std::shared_ptr<AgentSegment>;
+  // How sessions and frames of a service come.
+  struct Way {
+    GuidPrefix service;
+    Segment segment;  // null: over the network
+  };
   struct Reader {
     std::weak_ptr<AgentSegment> segment;  // expires with the thread
     std::thread thread;
@@ -105,7 +110,12 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void DrainAdmissions();
   void DrainFrames(Network::Frames& frames);
   void DrainHistories();
-  void EndRuns(const Sender& service, bool in_order);
+  // A service has ended, in order or not. REQUIRES: mutex_ is locked.
+  void EndRuns(const GuidPrefix& service, bool in_order);
+  // A session that came over the network: delivers it, or keeps it. REQUIRES: mutex_ is locked.
+  void TakeSession(const SessionMessage& session, const Sender& sender);
+  // A service has ended: delivers the session of one that may continue its run now. REQUIRES: mutex_ is locked.
+  void FollowSuccessor();
 
   // Chooses the way to each service that was discovered. REQUIRES: mutex_ is locked.
   void SelectTransports();
@@ -115,11 +125,17 @@ class DdsAgentEndpoint : public AgentEndpoint {
   bool IsShared(const Sender& service);
   // Null: this service is to be reached over the network.
   Segment OpenSegment(const Sender& service);
+  std::vector<Way> SharedWays();
+  // The service shares memory with this process no more.
+  void EndWay(const GuidPrefix& service);
   // The thread of a segment.
-  void ReadFrames(const Segment& segment, const GuidPrefix& service);
-  // False: sessions and frames travel over the network from now on. REQUIRES: mutex_ is locked.
-  bool DrainSegment(AgentSegment& segment, const GuidPrefix& service);
-  bool DrainSharedSession(AgentSegment& segment, const GuidPrefix& service);
+  void ReadFrames(const Way& way);
+  // What has been published, and the end of sharing or of the run. REQUIRES: mutex_ is locked.
+  void DrainSegment(const Way& way);
+  // What has been published, to the handler. The result: what follows it. REQUIRES: mutex_ is locked.
+  AgentSegment::Outcome ReadSegment(AgentSegment& segment, const GuidPrefix& service);
+  // False: sessions and frames travel over the network from now on.
+  bool ReadSharedSession(AgentSegment& segment, const GuidPrefix& service);
 
   const DdsConnection& connection_;
   const bool data_sharing_;
@@ -134,12 +150,15 @@ class DdsAgentEndpoint : public AgentEndpoint {
   std::mutex joined_mutex_;  // guards the next member
   std::set<AgentId> joined_agents_;
 
-  std::mutex segments_mutex_;                          // guards the next member; locked after mutex_ where both are
-  std::map<dds_instance_handle_t, Segment> segments_;  // by the writers of services; null: the network is used
+  std::mutex ways_mutex_;                      // guards the next member; locked after mutex_ where both are
+  std::map<dds_instance_handle_t, Way> ways_;  // by the writers of services
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below
   AgentHandler* handler_ = nullptr;
   ServiceRegistry services_;
+  // Sessions of services that may continue a run once the run's service has ended. From the network: those in shared
+  // memory wait there.
+  std::map<GuidPrefix, SessionMessage> waiting_;
   std::vector<Reader> readers_;
 
   struct KnownWorld {

@@ -72,8 +72,9 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
     segment_->Close();
     collector_.join();
   }
-  // The last session tells agents at once that the service has ended in order; without it they would wait for its
-  // lease.
+  // Agents learn at once that the service has ended in order, through the memory that they share or by the last
+  // session; else they would wait for its lease.
+  if (segment_ && run_ != 0) segment_->EndRun();
   troupe_wire_Session last{};
   last.run = run_;
   last.ended = true;

@@ -119,12 +119,17 @@ class ServiceRegistry {
     return Verdict::kService;
   }
 
-  // True for a message of the service in `inbox`, which refuses all others of a sender that is not the service.
+  // Of a message in `inbox`, which refuses all others of a sender that is not the service.
   template <typename Inbox>
-  bool Admits(Inbox& inbox, RunId run, Incarnation incarnation, const Sender& sender) {
+  Verdict JudgeAndRefuse(Inbox& inbox, RunId run, Incarnation incarnation, const Sender& sender) {
     const Verdict verdict = Judge(run, incarnation, sender.participant);
     if (verdict == Verdict::kNotService) inbox.Refuse(sender, "it is not the world service of the run");
-    return verdict == Verdict::kService;
+    return verdict;
+  }
+  // True for a message of the service.
+  template <typename Inbox>
+  bool Admits(Inbox& inbox, RunId run, Incarnation incarnation, const Sender& sender) {
+    return JudgeAndRefuse(inbox, run, incarnation, sender) == Verdict::kService;
   }
 
   bool empty() const { return services_.empty(); }

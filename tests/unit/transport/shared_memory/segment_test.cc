@@ -237,7 +237,20 @@ TEST(SegmentTest, FrameThatIsTooLongEndsSharing) {
   EXPECT_FALSE(service->Publish(Frame(1, kBufferBytes / sizeof(RobotState) + 1)).ok());
   const FrameInPlace* frame = nullptr;
   EXPECT_TRUE(agent->Wait());
-  EXPECT_EQ(agent->Read(frame), AgentSegment::Outcome::kEnded);
+  EXPECT_EQ(agent->Read(frame), AgentSegment::Outcome::kNetwork);
+}
+
+TEST(SegmentTest, EndOfTheRunFollowsTheLastFrame) {
+  const auto service = MakeService();
+  const auto agent = OpenFor(*service);
+  ASSERT_TRUE(service->Publish(Frame(1, 2)).ok());
+  service->EndRun();
+  EXPECT_TRUE(service->Publish(Frame(2, 2)).ok());  // of no effect
+  const FrameInPlace* frame = nullptr;
+  EXPECT_TRUE(agent->Wait());
+  ASSERT_EQ(agent->Read(frame), AgentSegment::Outcome::kNews);
+  EXPECT_EQ(frame->message.state.tick, 1u);
+  EXPECT_EQ(agent->Read(frame), AgentSegment::Outcome::kRunOver);
 }
 
 TEST(SegmentTest, SlowAgentReadsTheNewestFrame) {
@@ -522,7 +535,7 @@ TEST(SegmentTest, SharingEndsWhenStoppedAgentsReadAllFrames) {
   EXPECT_FALSE(service->Publish(Frame(tick)).ok());
   EXPECT_TRUE(service->Publish(Frame(tick)).ok()) << "it has ended";
   const FrameInPlace* frame = nullptr;
-  for (const auto& agent : stopped) EXPECT_EQ(agent->Read(frame), AgentSegment::Outcome::kEnded);
+  for (const auto& agent : stopped) EXPECT_EQ(agent->Read(frame), AgentSegment::Outcome::kNetwork);
 }
 
 TEST(SegmentTest, CloseEndsWaits) {
@@ -740,7 +753,7 @@ TEST(SharedWorldTest, WithoutMemoryForTheWorldSharingEnds) {
   SessionMessage session;
   PreparedWorld prepared;
   Status reason;
-  EXPECT_EQ(agent->ReadSession(session, prepared, reason), AgentSegment::Outcome::kEnded);
+  EXPECT_EQ(agent->ReadSession(session, prepared, reason), AgentSegment::Outcome::kNetwork);
 }
 
 TEST(SharedArenaTest, BlocksAreUsedAgainAndAFullOneIsAnError) {
