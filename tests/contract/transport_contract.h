@@ -243,7 +243,10 @@ TEST_P(TransportContract, SessionOfASuccessorArrivesThoughItsPredecessorEndsLate
   second.endpoint->SendSession(continued);
   // The agent has discovered the second one, and in most runs has its session by now.
   ASSERT_TRUE(SendUntil(
-      agent.admissions, [&] { second.endpoint->SendAdmissions({AdmissionMessage{99, 1, true, ""}}); },
+      agent.admissions,
+      [&] {
+        second.endpoint->SendAdmissions({AdmissionMessage{99, 1, true, ""}});
+      },
       [](const AdmissionMessage& came) { return came.run == 99; }));
   first.endpoint.reset();
   EXPECT_TRUE(agent.sessions.WaitFor(kPatience, [](const SessionMessage& next) { return next.incarnation == 1; }));

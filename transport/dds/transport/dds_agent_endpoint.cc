@@ -296,6 +296,7 @@ bool DdsAgentEndpoint::ReadSharedSession(AgentSegment& segment, const GuidPrefix
 
 void DdsAgentEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
+  for (const Sender* sender : sessions_.Matched()) services_.Discover(sender->participant);
   sessions_.Drain(
       [this](const troupe_wire_Session& session, const Sender& sender) {
         const auto verdict = services_.JudgeAndRefuse(sessions_, session.run, session.incarnation, sender);
@@ -354,7 +355,7 @@ void DdsAgentEndpoint::EndRuns(const GuidPrefix& service, bool in_order) {
       handler_->OnServiceLost();
     }
   }
-  if (!ended.empty()) FollowSuccessor();
+  FollowSuccessor();
 }
 
 void DdsAgentEndpoint::FollowSuccessor() {

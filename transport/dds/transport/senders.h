@@ -100,18 +100,26 @@ class ServiceRegistry {
     kNotService,
   };
 
-  // `only`: this participant alone is the first service of any run. `proven`: the senders have proven to belong to the
-  // run, so that one of them may continue it at once.
+  // `only`: this participant alone is the first service of any run; if it has ended before it was discovered, one that
+  // continues a run is. `proven`: the senders have proven to belong to the run, so that one of them may continue it at
+  // once.
   explicit ServiceRegistry(bool proven, std::optional<GuidPrefix> only = std::nullopt) : proven_(proven), only_(only) {}
 
   // Whether the participant may be a service.
-  bool MayBeService(const GuidPrefix& participant) const { return !only_ || *only_ == participant || proven_; }
+  bool MayBeService(const GuidPrefix& participant) const {
+    return !only_ || *only_ == participant || proven_ || !only_is_discovered_;
+  }
+
+  // A writer of the participant was discovered.
+  void Discover(const GuidPrefix& participant) {
+    if (only_ == participant) only_is_discovered_ = true;
+  }
 
   // `participant` has sent a message of a run that only the run's service sends.
   Verdict Judge(RunId run, Incarnation incarnation, const GuidPrefix& participant) {
     const auto known = services_.find(run);
     if (known != services_.end() && known->second.participant == participant) return Verdict::kService;
-    const bool is_free = known == services_.end() && (!only_ || *only_ == participant);
+    const bool is_free = known == services_.end() && MayBeFirst(participant, incarnation);
     const bool is_later = known != services_.end() ? incarnation > known->second.incarnation : incarnation > 0;
     if (!is_free && !is_later) return Verdict::kNotService;
     if (!is_free && !proven_) return Verdict::kNotYet;
@@ -152,8 +160,13 @@ class ServiceRegistry {
     Incarnation incarnation = 0;
   };
 
+  bool MayBeFirst(const GuidPrefix& participant, Incarnation incarnation) const {
+    return !only_ || *only_ == participant || (incarnation > 0 && !only_is_discovered_);
+  }
+
   const bool proven_;
   std::optional<GuidPrefix> only_;
+  bool only_is_discovered_ = false;
   std::map<RunId, Service> services_;
 };
 

@@ -190,6 +190,32 @@ TEST_F(StrangerTest, AnAgentWhoseWriterIsDiscoveredAgainStaysAnAgent) {
   EXPECT_TRUE(service_.gone.WaitFor(20.0, [](AgentId agent) { return agent == kOther; }));
 }
 
+TEST(UnseenServiceTest, AnAgentFollowsOneThatContinuesTheRunOfAServiceThatItHasNotSeen) {
+  for (const bool data_sharing : {false, true}) {
+    for (const Incarnation incarnation : {0, 1}) {
+      Problems problems;
+      DdsOptions options;
+      options.domain = test::TestDomain();
+      options.session = test::TestSession("unseen" + std::to_string(incarnation) + std::to_string(data_sharing));
+      options.data_sharing = data_sharing;
+      options.on_problem = problems.Add();
+      test::StartedService service(MakeDdsServiceTransport(options).transport);
+      SessionMessage session{.run = kRun, .host = "a host", .world = test::BusyWorld()};
+      session.incarnation = incarnation;
+      service.endpoint->SendSession(session);
+      options.service_address = "127.0.0.1";
+      options.service_participant = "0102030405060708090a0b0c";  // of a process that has ended
+      test::StartedAgent agent(MakeDdsAgentTransport(options), kAgent);
+      if (incarnation > 0) {
+        EXPECT_TRUE(agent.sessions.WaitFor(20.0, [](const SessionMessage&) { return true; }));
+      } else if (!data_sharing) {
+        EXPECT_TRUE(Eventually([&] { return problems.Have("troupe/session: ignored participant"); }));
+        EXPECT_TRUE(agent.sessions.items().empty());
+      }
+    }
+  }
+}
+
 TEST_F(StrangerTest, AFloodOfAgentsOfOneWriterIsCutOff) {
   const Stranger stranger(options_.session);
   Forger<troupe_wire_Join> joins(stranger, stranger.agent_publisher, topics::kJoin, dds::qos_profiles::Join(1.0));
