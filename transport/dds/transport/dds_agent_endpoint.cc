@@ -299,10 +299,12 @@ void DdsAgentEndpoint::DrainSessions() {
   for (const Sender* sender : sessions_.Matched()) services_.Discover(sender->participant);
   sessions_.Drain(
       [this](const troupe_wire_Session& session, const Sender& sender) {
+        if (session.ended) {
+          EndRuns(sender.participant, true);  // of the sender's own runs, which may be none
+          return false;
+        }
         const auto verdict = services_.JudgeAndRefuse(sessions_, session.run, session.incarnation, sender);
-        if (verdict == ServiceRegistry::Verdict::kNotService) return false;
-        if (session.ended) EndRuns(sender.participant, true);
-        return !session.ended && !data_sharing_;
+        return verdict != ServiceRegistry::Verdict::kNotService && !data_sharing_;
       },
       [this](const SessionMessage& session, const Sender& sender) { TakeSession(session, sender); },
       [this](const Sender& ended) {
