@@ -152,40 +152,6 @@ class VehiclesTest(unittest.TestCase):
         fleet.order(("room", 3.0, -5.5, "L2"), ("below", 3.0, -5.5, "L1"))
         fleet.until(lambda: any(error["errorType"] == "mapNotReachable" for error in fleet.state["errors"]), 10)
 
-    def test_messages_of_opentcs(self):
-        """As the driver of openTCS for 2.0 sends them, by its documentation: a message for each step with a base of two steps and the whole
-        rest as the horizon, which is sent again until the state shows it; actions NONE or SOFT, with texts as parameters."""
-        world = json.loads((WORLDS / "scenarios/vda5050.json").read_text())
-        world["world"] = str(WORLDS / "fleet_hall.world")
-        world["robots"] = [{"name": "cart_1", "controller": {"name": "vda5050", "parameters": {"map": "hall", "version": "2.0"}}}]
-        fleet = Fleet(world, "cart_1", "2.0.0")
-        route = [("Point-1", -3, 0), ("Point-2", -3, -1.5), ("Point-3", -2, -2.8), ("Point-4", 0, -2.8)]
-        charge = {"actionType": "startCharging", "actionId": "a-1", "blockingType": "SOFT", "actionParameters": []}
-        look = {"actionType": "waitForTrigger", "actionId": "a-0", "blockingType": "NONE", "actionParameters": [{"key": "how", "value": "1"}]}
-        actions = {1: [look], 3: [charge]}
-
-        def message(step):
-            nodes = [{"nodeId": name, "sequenceId": 2 * i, "released": i <= step + 2, "actions": actions.get(i, []),
-                      "nodePosition": {"x": x, "y": y, "mapId": "hall", "allowedDeviationXy": 0.5, "allowedDeviationTheta": 3.14}}
-                     for i, (name, x, y) in enumerate(route) if i >= step + (1 if step else 0)]
-            edges = [{"edgeId": f"{route[i][0]} --- {route[i + 1][0]}", "sequenceId": 2 * i + 1, "released": i + 1 <= step + 2, "actions": [],
-                      "startNodeId": route[i][0], "endNodeId": route[i + 1][0], "maxSpeed": 1.0} for i in range(nodes[0]["sequenceId"] // 2, 3)]
-            return {"orderId": "TOrder-01HX", "orderUpdateId": step, "nodes": nodes, "edges": edges}
-
-        for step in range(2):
-            for _ in range(2):  # a resend
-                fleet.simulation.send_message("cart_1", "order", fleet.header() | message(step))
-                fleet.step(2)
-            self.assertEqual((fleet.state["orderId"], fleet.state["orderUpdateId"]), ("TOrder-01HX", step))
-            fleet.until(lambda step=step: all(edge["sequenceId"] > 2 * step + 1 for edge in fleet.state["edgeStates"]))
-        fleet.until(lambda: fleet.is_done and fleet.status("a-1") == "FINISHED")
-        self.assertEqual(fleet.status("a-0"), "RUNNING")
-        fleet.act("trigger", "t-0")
-        fleet.step(2)
-        self.assertEqual(fleet.status("a-0"), "FINISHED")
-        self.assertTrue(fleet.state["batteryState"]["charging"])
-        self.assertEqual(fleet.state["errors"], [])
-
     def test_maps(self):
         fleet = hall()
         fleet.act("downloadMap", "d", mapId="hall", mapVersion="2", mapDownloadLink="http://localhost/hall")
