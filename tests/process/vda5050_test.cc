@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -80,6 +81,10 @@ class FleetClient {
 
   // Of cart_1.
   const std::optional<fleet::State>& state() const { return state_; }
+  bool HasError(const std::string& type) const {
+    return state_ && std::any_of(state_->errors.begin(), state_->errors.end(),
+                                 [&](const fleet::VehicleError& error) { return error.type == type; });
+  }
   const std::string& connection() const { return connection_; }
   bool has_factsheet() const { return has_factsheet_; }
   // Sent as an answer to the first state of cart_1.
@@ -148,6 +153,9 @@ TEST_F(Vda5050RunTest, AFleetControlDrivesAVehicle) {
   EXPECT_THAT(run.WaitForLine("cart_9"), HasSubstr("which is of no vehicle of this run"));
   fleet.Send(std::string(kCart) + "order", std::string(300'000, 'x'));
   EXPECT_THAT(run.WaitForLine("300000 bytes"), HasSubstr("cart_1"));
+  fleet.Send(std::string(kCart) + "instantActions", std::string(std::size_t{10} << 20, ' '));
+  EXPECT_THAT(run.WaitForLine("10485760 bytes"), HasSubstr("instantActions for cart_1"));
+  ASSERT_TRUE(fleet.Await([&] { return fleet.HasError("INVALID_INSTANT_ACTION"); }));
 
   run.Interrupt();
   ASSERT_TRUE(fleet.Await([&] { return fleet.connection().find("OFFLINE") != std::string::npos; }));
