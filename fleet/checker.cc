@@ -107,7 +107,7 @@ void Judge(MessageJudge& judge, const ObservedMessage& observed) {
       Read<Visualization>(judge, observed);
       break;
     case Topic::kZoneSet:
-      Read<ZoneSet>(judge, observed);
+      if (auto set = Read<ZoneSet>(judge, observed)) JudgeZoneSet(judge, std::move(*set));
       break;
     case Topic::kResponses:
       Read<Responses>(judge, observed);

@@ -18,6 +18,7 @@
 #include "fleet/order_message.h"
 #include "fleet/rules.h"
 #include "fleet/state_message.h"
+#include "fleet/zone_message.h"
 #include "fleet/topic.h"
 
 namespace troupe::fleet {
@@ -105,6 +106,15 @@ struct VehicleRecord {
     bool operator==(const SentInstantAction&) const = default;
   };
 
+  struct SentZoneSet {
+    ZoneSet set;  // the first of its id, without a header
+    std::uint64_t message = 0;
+    std::int64_t milliseconds = 0;
+    bool is_answered = false;
+
+    bool operator==(const SentZoneSet&) const = default;
+  };
+
   std::uint64_t messages = 0;
   std::optional<Version> version;
   std::array<Sender, 8> senders;  // by topics
@@ -118,6 +128,7 @@ struct VehicleRecord {
   std::vector<SentOrder> sent;                      // not yet accepted by a state, the newest last
   std::deque<SentInstantAction> instant_actions;
   std::map<std::string, ActionUse> action_uses;  // the first of each id
+  std::map<std::string, SentZoneSet> zone_sets;  // by their ids
   KnownRoute route;
   std::string cancelled_order_id;
 

@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t kMostSent = 64;  // orders and instant actions that are remembered for a vehicle
 constexpr std::size_t kMostActionIds = 20'000;
 constexpr std::size_t kMostOrders = 10'000;
+constexpr std::size_t kMostSentZoneSets = 1'000;
 
 bool IsModeForOrders(OperatingMode mode) {
   return mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic ||
@@ -162,6 +163,18 @@ void JudgeInstantActions(MessageJudge& judge, const InstantActions& message) {
     if (is_known) continue;
     if (record.instant_actions.size() >= 16 * kMostSent) record.instant_actions.pop_front();
     record.instant_actions.push_back({action, judge.message, judge.milliseconds, false});
+  }
+}
+
+void JudgeZoneSet(MessageJudge& judge, ZoneSet set) {
+  std::map<std::string, VehicleRecord::SentZoneSet>& sets = judge.record.zone_sets;
+  set.header = {};
+  if (sets.size() >= kMostSentZoneSets) sets.clear();
+  const auto [known, is_new] = sets.try_emplace(set.zone_set_id);
+  if (is_new) {
+    known->second = {std::move(set), judge.message, judge.milliseconds, false};
+  } else if (known->second.set != set) {
+    judge.Break(Rule::kZoneSetUnchanged, "the zone set '" + set.zone_set_id + "' with other content");
   }
 }
 

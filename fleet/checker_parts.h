@@ -42,6 +42,7 @@ struct MessageJudge {
 
 void JudgeOrder(MessageJudge& judge, const Order& order);
 void JudgeInstantActions(MessageJudge& judge, const InstantActions& message);
+void JudgeZoneSet(MessageJudge& judge, ZoneSet set);
 void JudgeState(MessageJudge& judge, const State& state);
 // What should have come by the time of the judge.
 void JudgeTime(MessageJudge& judge);

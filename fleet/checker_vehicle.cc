@@ -47,8 +47,14 @@ class ActionIndex {
  private:
   std::map<std::string_view, const ActionState*> states_;
 };
+const std::vector<ActionState>& ZoneActionsOf(const State& state) {
+  static const std::vector<ActionState> kNone;
+  return state.zone_action_states ? *state.zone_action_states : kNone;
+}
+
 struct StateIndex {
-  explicit StateIndex(const State& state) : actions(state.action_states), instant(state.instant_action_states) {}
+  explicit StateIndex(const State& state)
+      : actions(state.action_states), instant(state.instant_action_states), zones(ZoneActionsOf(state)) {}
   // Of an instant action: before 3.0 it is among the others.
   const ActionState* FindInstant(std::string_view id, Version version) const {
     return (IsBefore3(version) ? actions : instant).Find(id);
@@ -56,6 +62,7 @@ struct StateIndex {
 
   ActionIndex actions;
   ActionIndex instant;
+  ActionIndex zones;
 };
 
 // Orders that are accepted.
@@ -187,6 +194,39 @@ void JudgeMaps(MessageJudge& judge, const State& state) {
   }
 }
 
+// The state has the zone set, or an error about it.
+bool Answers(const State& state, const std::string& zone_set_id) {
+  const std::vector<ZoneSetState> sets = state.zone_sets.value_or(std::vector<ZoneSetState>());
+  const Reference reference = {"zoneSetId", zone_set_id};
+  return std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return set.zone_set_id == zone_set_id; }) ||
+         std::any_of(state.errors.begin(), state.errors.end(), [&](const VehicleError& error) {
+           return error.references &&
+                  std::find(error.references->begin(), error.references->end(), reference) != error.references->end();
+         });
+}
+
+void JudgeZones(MessageJudge& judge, const State& state) {
+  VehicleRecord& record = judge.record;
+  std::set<std::string> maps;
+  std::set<std::string> enabled;
+  for (const ZoneSetState& set : state.zone_sets.value_or(std::vector<ZoneSetState>())) {
+    if (set.status != StoredStatus::kEnabled) continue;
+    enabled.insert(set.zone_set_id);
+    const bool is_first = maps.insert(set.map_id).second;
+    if (!is_first) judge.Break(Rule::kOneEnabledZoneSet, "two enabled zone sets of the map '" + set.map_id + "'");
+  }
+  for (auto& sent : record.zone_sets) sent.second.is_answered = sent.second.is_answered || Answers(state, sent.first);
+  for (const ZoneRequest& request : state.zone_requests.value_or(std::vector<ZoneRequest>())) {
+    if (enabled.contains(request.zone_set_id)) continue;
+    judge.Break(Rule::kRequestsOfEnabledSets,
+                "the request '" + request.id + "' for a zone of '" + request.zone_set_id + "', which is not ENABLED");
+  }
+  if (!record.factsheet || !record.factsheet->type.supported_zones || state.zone_action_states) return;
+  const std::vector<std::string>& zones = *record.factsheet->type.supported_zones;
+  if (std::find(zones.begin(), zones.end(), NameOf(ZoneType::kAction)) == zones.end()) return;
+  judge.Break(Rule::kZoneActionsReported, "no zoneActionStates");
+}
+
 void JudgeMode(MessageJudge& judge, const State& state) {
   const OperatingMode mode = state.operating_mode;
   const bool clears = mode == OperatingMode::kManual ||
@@ -307,6 +347,17 @@ void JudgeActionStates(MessageJudge& judge, const State& state, const StateIndex
       }
     }
   }
+  // Those of zones have no order. They may be cleared when they have ended.
+  for (const ActionState& was : ZoneActionsOf(before)) {
+    const ActionState* const now = index.zones.Find(was.action_id);
+    if (now == nullptr && !IsFinal(was.status)) {
+      judge.Break(Rule::kActionStatesKept, "no state of the zone's action '" + was.action_id + "' any more");
+    } else if (now != nullptr && ((IsFinal(was.status) && now->status != was.status) ||
+                                  (now->status == ActionStatus::kWaiting && was.status != ActionStatus::kWaiting))) {
+      judge.Break(Rule::kActionStatusSequence,
+                  "the zone's action '" + was.action_id + "' " + NameOf(now->status) + " after " + NameOf(was.status));
+    }
+  }
 }
 
 void JudgeBlocking(MessageJudge& judge, const State& state) {
@@ -319,9 +370,13 @@ void JudgeBlocking(MessageJudge& judge, const State& state) {
     if (is_active && !IsAmbiguous(each.action_id, judge.record)) active.push_back(&known->second);
   }
   const bool is_automatic = IsAutomatic(state.operating_mode);
+  const std::vector<ActionState>& of_zones = ZoneActionsOf(state);
+  const auto active_of_zones = static_cast<std::size_t>(
+      std::count_if(of_zones.begin(), of_zones.end(), [](const ActionState& each) { return IsActive(each.status); }));
   for (const Action* const action : active) {
-    if (RunsAlone(action->blocking_type) && active.size() > 1) {
-      judge.Break(Rule::kActionRunsAlone, "'" + action->id + "' with " + std::to_string(active.size() - 1) + " others");
+    const std::size_t others = active.size() - 1 + active_of_zones;
+    if (RunsAlone(action->blocking_type) && others > 0) {
+      judge.Break(Rule::kActionRunsAlone, "'" + action->id + "' with " + std::to_string(others) + " others");
     }
     if (StopsDriving(action->blocking_type) && state.driving && is_automatic) {
       judge.Break(Rule::kStandsForAction, "driving while '" + action->id + "' runs");
@@ -443,6 +498,7 @@ void JudgeState(MessageJudge& judge, const State& state) {
   const bool has_new_order = JudgeAcceptance(judge, state);
   JudgeSequence(judge, state);
   JudgeMaps(judge, state);
+  JudgeZones(judge, state);
   JudgeMode(judge, state);
   JudgeInstantEnds(judge, state, index, has_new_order);
   JudgeRoute(judge, state);
@@ -476,6 +532,11 @@ void JudgeTime(MessageJudge& judge) {
     if (sent.is_reported || sent.milliseconds >= late) continue;
     sent.is_reported = true;
     judge.BreakAt(Rule::kInstantActionReported, sent.message, "no state of the action '" + sent.action.id + "'");
+  }
+  for (auto& [id, sent] : record.zone_sets) {
+    if (sent.is_answered || sent.milliseconds >= late) continue;
+    sent.is_answered = true;
+    judge.BreakAt(Rule::kZoneSetAnswered, sent.message, "no state that stores or refuses the zone set '" + id + "'");
   }
   const std::int64_t longest = 30'000 + judge.options.tolerance_milliseconds;
   if (record.is_overdue || judge.milliseconds - record.state_milliseconds <= longest) return;

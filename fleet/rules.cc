@@ -32,6 +32,7 @@ constexpr RuleInfo kRules[] = {
     {Rule::kInstantActionsInModes, Side::kFleet, kAll,
      "instant actions are sent in the modes AUTOMATIC and SEMIAUTOMATIC only (3.0, INTERVENED: cancelOrder)"},
     {Rule::kActionIdsUnique, Side::kFleet, kAll, "an actionId names one action"},
+    {Rule::kZoneSetUnchanged, Side::kFleet, kSince3_0, "the content of a zone set does not change"},
 
     {Rule::kOnlineBeforeState, Side::kVehicle, kAll, "a vehicle that sends states has said that it is ONLINE"},
     {Rule::kStateInterval, Side::kVehicle, kAll, "a state is sent at the latest 30 s after the one before"},
@@ -52,7 +53,7 @@ constexpr RuleInfo kRules[] = {
     {Rule::kActionStatusSequence, Side::kVehicle, kAll,
      "no action waits again after it began, and none changes after its end"},
     {Rule::kActionRunsAlone, Side::kVehicle, kAll,
-     "beside a HARD (3.0: or SINGLE) action no other action of the order runs"},
+     "beside a HARD (3.0: or SINGLE) action no other action of the order or of a zone runs"},
     {Rule::kStandsForAction, Side::kVehicle, kAll, "the vehicle stands while a SOFT or HARD action runs"},
     {Rule::kPauseStands, Side::kVehicle, kAll, "when startPause is FINISHED, the vehicle is paused and stands"},
     {Rule::kPauseEnds, Side::kVehicle, kAll, "when stopPause is FINISHED, the vehicle is not paused"},
@@ -63,6 +64,11 @@ constexpr RuleInfo kRules[] = {
     {Rule::kModeClearsOrder, Side::kVehicle, kAll,
      "in the mode MANUAL (3.0: also SERVICE, TEACH_IN) there is no order"},
     {Rule::kOneEnabledMap, Side::kVehicle, kSince2_1, "of the versions of a map at most one is ENABLED"},
+    {Rule::kZoneSetAnswered, Side::kVehicle, kSince3_0, "a state shows that a zone set was stored or refused"},
+    {Rule::kOneEnabledZoneSet, Side::kVehicle, kSince3_0, "of the zone sets of a map at most one is ENABLED"},
+    {Rule::kRequestsOfEnabledSets, Side::kVehicle, kSince3_0, "zoneRequests are for zones of ENABLED sets"},
+    {Rule::kZoneActionsReported, Side::kVehicle, kSince3_0,
+     "a vehicle with ACTION zones in its factsheet has zoneActionStates"},
 };
 
 static_assert(std::size(kRules) == NamesOf(Rule()).size());

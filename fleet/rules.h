@@ -39,6 +39,7 @@ enum class Rule : std::uint8_t {
   kInstantActionKnown,
   kInstantActionsInModes,
   kActionIdsUnique,
+  kZoneSetUnchanged,
   // The vehicle.
   kOnlineBeforeState,
   kStateInterval,
@@ -64,6 +65,10 @@ enum class Rule : std::uint8_t {
   kCancelWithoutOrder,
   kModeClearsOrder,
   kOneEnabledMap,
+  kZoneSetAnswered,
+  kOneEnabledZoneSet,
+  kRequestsOfEnabledSets,
+  kZoneActionsReported,
 };
 constexpr auto NamesOf(Rule) {
   return std::array{"message_form",
@@ -86,6 +91,7 @@ constexpr auto NamesOf(Rule) {
                     "instant_action_known",
                     "instant_actions_in_modes",
                     "action_ids_unique",
+                    "zone_set_unchanged",
                     "online_before_state",
                     "state_interval",
                     "order_answered",
@@ -109,7 +115,11 @@ constexpr auto NamesOf(Rule) {
                     "cancel_clears",
                     "cancel_without_order",
                     "mode_clears_order",
-                    "one_enabled_map"};
+                    "one_enabled_map",
+                    "zone_set_answered",
+                    "one_enabled_zone_set",
+                    "requests_of_enabled_sets",
+                    "zone_actions_reported"};
 }
 
 struct RuleInfo {

@@ -90,6 +90,7 @@ bool ReusesActionId(const VehicleMemory& memory, const Order& order, bool is_upd
   for (const TrackedAction& tracked : memory.instant_actions) {
     if (IsBefore3(version) && (is_update || !IsFinal(tracked.status))) ids.insert(tracked.action.id);
   }
+  for (const TrackedAction& tracked : memory.zone_actions) ids.insert(tracked.action.id);
   bool reuses = false;
   ForEachActionList(order, !is_update, [&](const std::vector<Action>& actions, ActionScope, std::uint32_t, bool) {
     for (const Action& action : actions) reuses = reuses || ids.contains(action.id);
@@ -181,8 +182,8 @@ void Traverse(VehicleMemory& memory) {
 
 void AcceptNew(VehicleMemory& memory, const Order& order, Version version) {
   EndErrors(memory, true);
+  DropOrderFromQueue(memory);
   memory.actions.clear();
-  memory.queue.clear();
   if (IsBefore3(version)) {
     std::erase_if(memory.instant_actions, [](const TrackedAction& tracked) { return IsFinal(tracked.status); });
   }
@@ -278,6 +279,8 @@ struct Applier {
   void operator()(const AccessWanted& wanted) { WantAccess(memory, wanted); }
   void operator()(const AccessEnded& ended) { EndAccess(memory, ended); }
   void operator()(const LeaseEnded& ended) { EndLease(memory, ended); }
+  void operator()(const ZoneEntered& entered) { EnterZone(memory, entered, profile); }
+  void operator()(const ZoneLeft& left) { LeaveZone(memory, left, profile); }
 
   void operator()(const ErrorRaised& raised) { ReportError(memory, {raised.error, ErrorEnd::kCause}); }
 

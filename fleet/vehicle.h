@@ -12,6 +12,7 @@
 // - Nothing starts while the vehicle is paused, or while an error of level CRITICAL or FATAL is reported.
 // - The content of a stitching node is that of the order that the vehicle already has.
 // - An instant action whose id is known is a resend and has no effect.
+// - A cancelled order leaves the actions of zones as they are. A mode that clears the order ends them.
 #pragma once
 
 #include <cstdint>
@@ -76,7 +77,16 @@ struct StoredZoneSet {
   bool operator==(const StoredZoneSet&) const = default;
 };
 
-// A request to enter a zone of an enabled set (3.0).
+// An ACTION zone that the vehicle is in (3.0).
+struct EnteredZone {
+  std::string zone_set_id;
+  std::string zone_id;
+  std::vector<std::string> during;  // ids of its actions that end when it is left
+
+  bool operator==(const EnteredZone&) const = default;
+};
+
+// A request to enter a zone of an enabled set, or to drive a path there (3.0).
 struct AccessRequest {
   ZoneRequest request;
   std::optional<std::string> lease_expiry;  // a timestamp; nothing: a grant has no end
@@ -109,6 +119,9 @@ struct VehicleMemory {
   std::vector<StoredZoneSet> zone_sets;  // 3.0, as the following
   std::vector<AccessRequest> requests;
   std::uint32_t requests_made = 0;
+  std::vector<TrackedAction> zone_actions;  // until they are cleared
+  std::vector<EnteredZone> zones_inside;
+  std::uint32_t zone_actions_made = 0;
 
   bool operator==(const VehicleMemory&) const = default;
 };
@@ -149,10 +162,11 @@ struct ResponsesReceived {
   Responses message;
   std::vector<MessageFault> faults;
 };
-// A zone is on its way that it may enter with a release only: it asks for one, if it has not.
+// A zone is on its way that it may enter with a grant only: it asks for one, if it has not.
 struct AccessWanted {
   std::string zone_set_id;
   std::string zone_id;
+  std::optional<Trajectory> path = {};  // that it wants to drive there (REPLANNING); nothing: ACCESS
 };
 // It has left the zone, or does not go there any more.
 struct AccessEnded {
@@ -161,6 +175,15 @@ struct AccessEnded {
 // The lease of a grant is over.
 struct LeaseEnded {
   std::string request_id;
+};
+// It has entered, or left, an ACTION zone of an enabled set.
+struct ZoneEntered {
+  std::string zone_set_id;
+  std::string zone_id;
+};
+struct ZoneLeft {
+  std::string zone_set_id;
+  std::string zone_id;
 };
 // The vehicle has traversed the first of `nodes`.
 struct NodeReached {
@@ -198,7 +221,7 @@ struct ErrorCleared {
 };
 using VehicleInput = std::variant<OrderReceived, InstantActionsReceived, NodeReached, ActionProgress, DrivingChanged,
                                   ModeChanged, PauseChanged, LastNodeLost, ErrorRaised, ErrorCleared, ZoneSetReceived,
-                                  ResponsesReceived, AccessWanted, AccessEnded, LeaseEnded>;
+                                  ResponsesReceived, AccessWanted, AccessEnded, LeaseEnded, ZoneEntered, ZoneLeft>;
 
 struct VehicleOutcome {
   const OrderRow* row = nullptr;  // of an order: the row that has decided

@@ -18,7 +18,7 @@ bool IsPosition(std::string_view type) {
 }
 
 TrackedAction* FindAction(VehicleMemory& memory, std::string_view id) {
-  for (std::vector<TrackedAction>* const list : {&memory.actions, &memory.instant_actions}) {
+  for (std::vector<TrackedAction>* const list : {&memory.actions, &memory.instant_actions, &memory.zone_actions}) {
     const auto found =
         std::find_if(list->begin(), list->end(), [&](const TrackedAction& tracked) { return tracked.action.id == id; });
     if (found != list->end()) return &*found;
@@ -35,7 +35,7 @@ bool IsAboutOrder(const TrackedAction& tracked) {
 // Calls visit for the actions that are started, but for pauses and cancels.
 template <typename Memory, typename Visit>
 void ForEachStarted(Memory& memory, const Visit& visit) {
-  for (auto* const list : {&memory.actions, &memory.instant_actions}) {
+  for (auto* const list : {&memory.actions, &memory.instant_actions, &memory.zone_actions}) {
     for (auto& tracked : *list) {
       if (IsStarted(tracked.status) && !IsAboutOrder(tracked)) visit(tracked);
     }
@@ -47,11 +47,6 @@ bool IsHalted(const VehicleMemory& memory) {
   return std::any_of(memory.errors.begin(), memory.errors.end(), [](const ReportedError& reported) {
     return reported.error.level == ErrorLevel::kCritical || reported.error.level == ErrorLevel::kFatal;
   });
-}
-
-bool IsAutomatic(const VehicleMemory& memory) {
-  return !memory.wanted_mode &&
-         (memory.mode == OperatingMode::kAutomatic || memory.mode == OperatingMode::kSemiautomatic);
 }
 
 bool MayCancel(const TrackedAction& tracked, const VehicleProfile& profile) {
@@ -76,6 +71,8 @@ void ReportActionError(VehicleMemory& memory, VehicleError error, const TrackedA
   std::vector<Reference> references = {{"actionId", tracked.action.id}, {"actionType", tracked.action.type}};
   if (tracked.scope == ActionScope::kInstant) {
     references.push_back({"topic", "instantActions"});
+  } else if (tracked.scope == ActionScope::kZone) {
+    references.push_back({"topic", "zoneSet"});
   } else {
     references.push_back({"orderId", memory.order_id});
     references.push_back({"orderUpdateId", std::to_string(memory.order_update_id)});
@@ -83,15 +80,6 @@ void ReportActionError(VehicleMemory& memory, VehicleError error, const TrackedA
   if (error.references) references.insert(references.end(), error.references->begin(), error.references->end());
   error.references = std::move(references);
   ReportError(memory, {std::move(error), end});
-}
-
-void Refuse(VehicleMemory& memory, TrackedAction& tracked, std::string_view type, const std::string& reason,
-            ErrorEnd end = ErrorEnd::kInstantAction) {
-  End(tracked, ActionStatus::kFailed, reason);
-  VehicleError error;
-  error.type = type;
-  error.description = reason;
-  ReportActionError(memory, std::move(error), tracked, end);
 }
 
 // Maps. The actions about them take no time but for downloads.
@@ -125,6 +113,9 @@ void Start(VehicleMemory& memory, TrackedAction& tracked) {
   const std::string& type = tracked.action.type;
   if (type == "clearInstantActions" && tracked.scope != ActionScope::kInstant) {
     std::erase_if(memory.instant_actions, [](const TrackedAction& other) { return IsFinal(other.status); });
+    End(tracked, ActionStatus::kFinished);
+  } else if (type == "clearZoneActions") {
+    std::erase_if(memory.zone_actions, [](const TrackedAction& other) { return IsFinal(other.status); });
     End(tracked, ActionStatus::kFinished);
   } else if (type == "enableMap") {
     EnableMap(memory, tracked);
@@ -296,6 +287,11 @@ void RefuseMessage(VehicleMemory& memory, const InstantActionsReceived& received
 
 }  // namespace
 
+bool IsAutomatic(const VehicleMemory& memory) {
+  return !memory.wanted_mode &&
+         (memory.mode == OperatingMode::kAutomatic || memory.mode == OperatingMode::kSemiautomatic);
+}
+
 void ReportRefusal(VehicleMemory& memory, const std::string& topic, const Header& header, VehicleError error,
                    const std::vector<MessageFault>& faults) {
   std::vector<Reference> references = {{"topic", topic}, {"headerId", std::to_string(header.header_id)}};
@@ -321,6 +317,29 @@ void ReportError(VehicleMemory& memory, ReportedError reported) {
   memory.errors.push_back(std::move(reported));
 }
 
+void Refuse(VehicleMemory& memory, TrackedAction& tracked, std::string_view type, const std::string& reason,
+            ErrorEnd end) {
+  End(tracked, ActionStatus::kFailed, reason);
+  VehicleError error;
+  error.type = type;
+  error.description = reason;
+  ReportActionError(memory, std::move(error), tracked, end);
+}
+
+void EndWithPlace(VehicleMemory& memory, TrackedAction& tracked, std::string_view place) {
+  if (IsFinal(tracked.status)) return;
+  if (IsStarted(tracked.status)) return End(tracked, ActionStatus::kFinished);
+  End(tracked, ActionStatus::kFailed, "the " + std::string(place) + " was left before the action could begin");
+  std::erase(memory.queue, tracked.action.id);
+}
+
+void DropOrderFromQueue(VehicleMemory& memory) {
+  std::erase_if(memory.queue, [&](const std::string& id) {
+    return std::none_of(memory.zone_actions.begin(), memory.zone_actions.end(),
+                        [&](const TrackedAction& tracked) { return tracked.action.id == id; });
+  });
+}
+
 void TriggerActions(VehicleMemory& memory, ActionScope scope, std::uint32_t sequence_id) {
   for (const TrackedAction& tracked : memory.actions) {
     if (tracked.scope == scope && tracked.sequence_id == sequence_id && tracked.status == ActionStatus::kWaiting) {
@@ -331,19 +350,14 @@ void TriggerActions(VehicleMemory& memory, ActionScope scope, std::uint32_t sequ
 
 void LeaveEdge(VehicleMemory& memory, std::uint32_t sequence_id) {
   for (TrackedAction& tracked : memory.actions) {
-    if (tracked.scope != ActionScope::kEdge || tracked.sequence_id != sequence_id || IsFinal(tracked.status)) continue;
-    if (IsStarted(tracked.status)) {
-      End(tracked, ActionStatus::kFinished);
-    } else {
-      End(tracked, ActionStatus::kFailed, "the edge was left before the action could begin");
-      std::erase(memory.queue, tracked.action.id);
-    }
+    const bool is_of_edge = tracked.scope == ActionScope::kEdge && tracked.sequence_id == sequence_id;
+    if (is_of_edge) EndWithPlace(memory, tracked, "edge");
   }
 }
 
 void BeginClearing(VehicleMemory& memory, const VehicleProfile& profile) {
   memory.is_clearing = true;
-  memory.queue.clear();
+  DropOrderFromQueue(memory);
   for (TrackedAction& tracked : memory.actions) {
     if (IsFinal(tracked.status)) continue;
     if (tracked.status == ActionStatus::kWaiting || MayCancel(tracked, profile)) {
@@ -364,6 +378,11 @@ void EnterMode(VehicleMemory& memory, OperatingMode mode, Version version) {
   if (mode == OperatingMode::kAutomatic || mode == OperatingMode::kSemiautomatic ||
       mode == OperatingMode::kIntervened) {
     return;
+  }
+  for (TrackedAction& tracked : memory.zone_actions) {
+    if (IsFinal(tracked.status)) continue;
+    End(tracked, ActionStatus::kFailed, "the vehicle was taken over");
+    std::erase(memory.queue, tracked.action.id);
   }
   memory.is_at_last_node = false;  // a person may move it
   if (!IsBefore3(version) && mode != OperatingMode::kManual) {
@@ -463,8 +482,10 @@ bool MayDrive(const VehicleMemory& memory, const VehicleProfile& profile) {
                  [&](const TrackedAction& tracked) { stops = stops || StopsDriving(tracked.action.blocking_type); });
   if (memory.queue.empty()) return !stops;
   const std::set<std::string_view> queued(memory.queue.begin(), memory.queue.end());
-  for (const TrackedAction& tracked : memory.actions) {
-    stops = stops || (StopsDriving(tracked.action.blocking_type) && queued.contains(tracked.action.id));
+  for (const auto* const list : {&memory.actions, &memory.zone_actions}) {
+    for (const TrackedAction& tracked : *list) {
+      stops = stops || (StopsDriving(tracked.action.blocking_type) && queued.contains(tracked.action.id));
+    }
   }
   return !stops;
 }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <string_view>
 
 #include "fleet/vehicle.h"
 
@@ -16,9 +18,20 @@ void ReportError(VehicleMemory& memory, ReportedError reported);
 void ReportRefusal(VehicleMemory& memory, const std::string& topic, const Header& header, VehicleError error,
                    const std::vector<MessageFault>& faults);
 
+// The fleet control is in control: a mode that executes orders.
+bool IsAutomatic(const VehicleMemory& memory);
+
+// The action has failed for this reason, which becomes an error of that type.
+void Refuse(VehicleMemory& memory, TrackedAction& tracked, std::string_view type, const std::string& reason,
+            ErrorEnd end = ErrorEnd::kInstantAction);
+// The edge or zone (`place`) of an action is left: a started one is finished, a waiting one has failed.
+void EndWithPlace(VehicleMemory& memory, TrackedAction& tracked, std::string_view place);
+// The queue keeps the actions of zones only.
+void DropOrderFromQueue(VehicleMemory& memory);
+
 // The waiting actions of a node or an edge wait for their turn from now on.
 void TriggerActions(VehicleMemory& memory, ActionScope scope, std::uint32_t sequence_id);
-// The actions of an edge end: started ones are finished, queued ones have failed.
+// The actions of an edge end.
 void LeaveEdge(VehicleMemory& memory, std::uint32_t sequence_id);
 
 // The order will be cleared: waiting actions fail, started ones that may be cancelled, too.

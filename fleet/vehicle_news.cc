@@ -7,7 +7,11 @@ namespace {
 
 std::string Named(const TrackedAction& tracked) {
   const bool is_instant = tracked.scope == ActionScope::kInstant;
-  std::string text = (is_instant ? tracked.action.type : "action " + tracked.action.id) + " " + NameOf(tracked.status);
+  const bool is_of_zone = tracked.scope == ActionScope::kZone;
+  std::string text = is_instant   ? tracked.action.type
+                     : is_of_zone ? tracked.action.type + " of a zone"
+                                  : "action " + tracked.action.id;
+  text += std::string(" ") + NameOf(tracked.status);
   if (tracked.result && !tracked.result->empty()) text += ": " + *tracked.result;
   return text;
 }
@@ -54,6 +58,7 @@ std::vector<std::string> NewsOf(const VehicleMemory& before, const VehicleMemory
   if (is_new) news.push_back("order " + now.order_id + " accepted");
   AddEnded(before.actions, now.actions, news);
   AddEnded(before.instant_actions, now.instant_actions, news);
+  AddEnded(before.zone_actions, now.zone_actions, news);
   if ((is_new || IsBusy(before)) && !now.order_id.empty() && !IsBusy(now)) {
     news.push_back("order " + now.order_id + (now.is_cancelled ? " cancelled" : " finished"));
   }

@@ -35,6 +35,11 @@ void CompleteFor2_0(State& state) {
   }
 }
 
+bool HasActionZones(const Factsheet& sheet) {
+  const std::optional<std::vector<std::string>>& zones = sheet.type.supported_zones;
+  return zones && std::find(zones->begin(), zones->end(), NameOf(ZoneType::kAction)) != zones->end();
+}
+
 // The base is nearly used up, and there is a horizon.
 bool NeedsBase(const VehicleMemory& memory, bool is_base_short) {
   if (memory.is_clearing || memory.nodes.empty() || memory.nodes.back().released) return false;
@@ -76,6 +81,13 @@ void ListMembers(Archive& a, Row& row) {
   a.May("leaseExpiry", row.lease_expiry);
 }
 
+template <typename Archive, KeptRowOf<EnteredZone> Row>
+void ListMembers(Archive& a, Row& row) {
+  a.Need("zoneSetId", row.zone_set_id);
+  a.Need("zoneId", row.zone_id);
+  a.Need("during", row.during);
+}
+
 template <typename Archive, KeptRowOf<VehicleMemory> Row>
 void ListMembers(Archive& a, Row& row) {
   a.Need("orderId", row.order_id);
@@ -102,6 +114,9 @@ void ListMembers(Archive& a, Row& row) {
   a.Need("zoneSets", row.zone_sets);
   a.Need("requests", row.requests);
   a.Need("requestsMade", row.requests_made);
+  a.Need("zoneActions", row.zone_actions);
+  a.Need("zonesInside", row.zones_inside);
+  a.Need("zoneActionsMade", row.zone_actions_made);
 }
 
 std::string SaveMemory(const VehicleMemory& memory) {
@@ -150,6 +165,8 @@ State MakeState(const VehicleMemory& memory, const VehicleProfile& profile, cons
   for (const TrackedAction& tracked : memory.actions) state.action_states.push_back(StateOf(tracked));
   std::vector<ActionState>& instant = IsBefore3(profile.version) ? state.action_states : state.instant_action_states;
   for (const TrackedAction& tracked : memory.instant_actions) instant.push_back(StateOf(tracked));
+  if (HasActionZones(profile.factsheet) || !memory.zone_actions.empty()) state.zone_action_states.emplace();
+  for (const TrackedAction& tracked : memory.zone_actions) state.zone_action_states->push_back(StateOf(tracked));
   state.power_supply = readings.power_supply;
   state.operating_mode = memory.mode;
   for (const ReportedError& reported : memory.errors) state.errors.push_back(reported.error);

@@ -52,9 +52,11 @@ std::vector<fleet::ActionProgress> VehicleActions::Work(const fleet::VehicleMemo
     });
   };
   std::erase_if(ongoing_, [&](const Ongoing& one) {
-    return !is_started(memory.actions, one.id) && !is_started(memory.instant_actions, one.id);
+    return !is_started(memory.actions, one.id) && !is_started(memory.instant_actions, one.id) &&
+           !is_started(memory.zone_actions, one.id);
   });
-  for (const std::vector<fleet::TrackedAction>* const list : {&memory.instant_actions, &memory.actions}) {
+  for (const std::vector<fleet::TrackedAction>* const list :
+       {&memory.instant_actions, &memory.actions, &memory.zone_actions}) {
     for (const fleet::TrackedAction& tracked : *list) {
       if (!WorksOn(tracked)) continue;
       Turn turn{tracked, OngoingOf(tracked.action.id), memory, observation, around, command, progress};

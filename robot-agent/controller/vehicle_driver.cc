@@ -222,14 +222,24 @@ std::optional<VehicleWay> VehicleDriver::Look(const fleet::VehicleMemory& memory
   way.points.push_back({at});
   std::vector<Vec2> rest;
   path_.AddRest(along_, rest);
-  for (const Vec2& place : rest) way.points.push_back({place});
+  const auto trajectory_to = [&](std::size_t node) -> const fleet::Trajectory* {
+    const fleet::Edge* const edge = EdgeBefore(memory, node);
+    return edge != nullptr && edge->trajectory ? &*edge->trajectory : nullptr;
+  };
+  for (const Vec2& place : rest) way.points.push_back({.place = place, .is_traced = trajectory_to(0) != nullptr});
   double length = path_.length() - along_;
   for (std::size_t i = 0; i < memory.nodes.size() && memory.nodes[i].released && length < kSeen; ++i) {
     const std::optional<Vec2> place = PositionOf(memory.nodes[i]);
     if (!place) break;
     if (i > 0) {
-      length += (*place - way.points.back().place).norm();
-      way.points.push_back({*place});
+      const fleet::Trajectory* const trajectory = trajectory_to(i);
+      std::vector<Vec2> line = trajectory != nullptr ? PointsOf(*trajectory) : std::vector<Vec2>();
+      line.push_back(*place);
+      for (const Vec2& point : line) {
+        if (line.size() > 1 && point == way.points.back().place) continue;
+        length += (point - way.points.back().place).norm();
+        way.points.push_back({.place = point, .is_traced = trajectory != nullptr});
+      }
     }
     way.points.back().is_node = true;
     if (memory.nodes[i].position) way.points.back().map = memory.nodes[i].position->map_id;

@@ -42,7 +42,8 @@ struct VehicleWay {
   struct Point {
     Vec2 place{0.0, 0.0};  // W
     bool is_node = false;
-    std::string map = {};  // of a node; empty: the one before
+    std::string map = {};    // of a node; empty: the one before
+    bool is_traced = false;  // the way to it is on a trajectory that the order has
   };
   std::vector<Point> points;  // the first one is where the vehicle is
 };

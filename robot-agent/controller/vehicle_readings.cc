@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::uint32_t kMostNodes = 1000;
 constexpr std::uint32_t kMostActions = 1000;
+constexpr std::size_t kMostPoints = 100;  // of a way that is told
 
 // Without the last bits of motions, which would make each state another one.
 double Rounded(double value) {
@@ -93,6 +94,11 @@ fleet::ActionSpecification ActionOf(const char* type, const char* description, s
   return action;
 }
 
+fleet::ActionSpecification AlsoInZones(fleet::ActionSpecification action, bool is_3) {
+  if (is_3) action.scopes.push_back(fleet::ActionScope::kZone);
+  return action;
+}
+
 std::vector<fleet::ActionSpecification> ActionsOf(fleet::Version version, bool has_battery) {
   using Scope = fleet::ActionScope;
   const std::vector<fleet::ParameterSpecification> load = {TextParameter("stationName"), TextParameter("loadId"),
@@ -113,8 +119,10 @@ std::vector<fleet::ActionSpecification> ActionsOf(fleet::Version version, bool h
                 TextParameter("lastNodeId")}),
       ActionOf("pick", "takes a load within reach", {Scope::kNode}, load),
       ActionOf("drop", "puts its load down", {Scope::kNode}, load),
-      ActionOf("detectObject", "looks for a load within reach", {Scope::kNode}, {TextParameter("objectType")}),
-      ActionOf("waitForTrigger", "waits for the instant action trigger", {Scope::kNode}),
+      AlsoInZones(
+          ActionOf("detectObject", "looks for a load within reach", {Scope::kNode}, {TextParameter("objectType")}),
+          is_3),
+      AlsoInZones(ActionOf("waitForTrigger", "waits for the instant action trigger", {Scope::kNode}), is_3),
       ActionOf("trigger", "ends a wait for a trigger", {Scope::kInstant}),
   };
   const std::vector<fleet::ParameterSpecification> map = {{"mapId", "STRING", {}, {}},
@@ -127,6 +135,8 @@ std::vector<fleet::ActionSpecification> ActionsOf(fleet::Version version, bool h
     actions.push_back(ActionOf("retry", "tries an action again", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("skipRetry", "gives an action up", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("clearInstantActions", "forgets those that have ended", {Scope::kInstant}));
+    actions.push_back(
+        ActionOf("clearZoneActions", "forgets those that have ended", {Scope::kInstant, Scope::kNode}));
     actions.push_back(ActionOf("enableZoneSet", "uses that set of zones of its map", {Scope::kInstant, Scope::kNode},
                                {{"zoneSetId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("deleteZoneSet", "forgets a set of zones that is not enabled", {Scope::kInstant},
@@ -234,13 +244,22 @@ double HeightOf(const Surroundings& around, RobotId robot) {
   return height;
 }
 
+fleet::Trajectory TrajectoryOf(const VehicleWay& way) {
+  fleet::Trajectory trajectory;
+  trajectory.degree = 1;
+  for (std::size_t i = 0; i < way.points.size() && i < kMostPoints; ++i) {
+    const Vec2& place = way.points[i].place;
+    trajectory.control_points.push_back({Rounded(place.x()), Rounded(place.y()), {}});
+  }
+  return trajectory;
+}
+
 void AddPaths(const VehicleWay& way, const fleet::VehicleMemory& memory, double speed, std::int64_t now_ms,
               fleet::VehicleReadings& readings) {
-  constexpr std::size_t kMostPoints = 100;
   constexpr double kSlowest = 0.01;  // m/s, so that each time can be written
   if (way.points.size() < 2 || memory.nodes.empty()) return;
   fleet::PlannedPath planned;
-  planned.trajectory.degree = 1;
+  planned.trajectory = TrajectoryOf(way);
   planned.traversed_nodes.emplace();
   fleet::IntermediatePath path;
   double length = 0.0;
@@ -249,7 +268,6 @@ void AddPaths(const VehicleWay& way, const fleet::VehicleMemory& memory, double 
     const VehicleWay::Point& point = way.points[i];
     length += (point.place - before).norm();
     before = point.place;
-    planned.trajectory.control_points.push_back({Rounded(point.place.x()), Rounded(point.place.y()), {}});
     const std::int64_t eta = now_ms + std::llround(1000.0 * length / std::max(speed, kSlowest));
     path.polyline.push_back(
         {Rounded(point.place.x()), Rounded(point.place.y()), {}, fleet::FormatTimestamp(eta, fleet::Version::k3_0)});
@@ -276,7 +294,9 @@ fleet::VehicleProfile MakeProfile(const Surroundings& around, const RobotInfo& i
   sheet.type.localization_types = {"NATURAL"};
   sheet.type.navigation_types = {"VIRTUAL_LINE_GUIDED"};
   if (is_3) {
-    sheet.type.supported_zones = {"BLOCKED", "LINE_GUIDED", "RELEASE", "COORDINATED_REPLANNING", "SPEED_LIMIT"};
+    // PRIORITY and PENALTY weigh ways of a vehicle that plans its own.
+    sheet.type.supported_zones = {"BLOCKED",     "LINE_GUIDED", "RELEASE",  "COORDINATED_REPLANNING",
+                                  "SPEED_LIMIT", "ACTION",      "DIRECTED", "BIDIRECTED"};
   }
 
   constexpr double kMost = 1e3;  // for drives without bounds
@@ -303,6 +323,7 @@ fleet::VehicleProfile MakeProfile(const Surroundings& around, const RobotInfo& i
   sheet.limits.arrays.order_edges = kMostNodes;
   sheet.limits.arrays.action_states = kMostActions;
   if (is_3) sheet.limits.arrays.instant_action_states = kMostActions;
+  if (is_3) sheet.limits.arrays.zone_action_states = kMostActions;
   sheet.limits.strings.message = static_cast<std::uint32_t>(kMaxFleetBytes);
   sheet.limits.timing.minimum_order_interval = around.world().interval_seconds();
   sheet.limits.timing.minimum_state_interval = settings.minimum_state_interval;

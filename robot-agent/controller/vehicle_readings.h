@@ -41,6 +41,9 @@ fleet::VehicleReadings MakeReadings(const Surroundings& around, const Observatio
 // m, from the floor to the top of the vehicle and of what it carries.
 double HeightOf(const Surroundings& around, RobotId robot);
 
+// The way along the base as a curve of degree 1, at most 100 points of it.
+fleet::Trajectory TrajectoryOf(const VehicleWay& way);
+
 // Adds the way along the base as the paths that a vehicle of 3.0 shows, at most 100 points of it; `speed`: m/s.
 // `now_ms`: ms since 1970.
 void AddPaths(const VehicleWay& way, const fleet::VehicleMemory& memory, double speed, std::int64_t now_ms,

@@ -31,6 +31,20 @@ class Conversation {
     See(Topic::kOrder, Encode(order, version_));
     Give(OrderReceived{order, {}});
   }
+  // A set of one zone, which the vehicle does not get.
+  void LoseZones(const std::string& id, ZoneType type) {
+    if (IsBefore3(version_)) return;
+    ZoneSet set = {SampleHeader(version_, ++zone_sets_, Now()), "L1", id, {}, {}};
+    set.zones = {{.id = "zone", .type = type, .vertices = {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}}}};
+    See(Topic::kZoneSet, Encode(set, version_));
+  }
+  // Another factsheet; the vehicle itself stays as it is.
+  void AnnounceZones(const std::vector<std::string>& types) {
+    Factsheet sheet = profile_.factsheet;
+    if (!IsBefore3(version_)) sheet.type.supported_zones = types;
+    ++sheet.header.header_id;
+    See(Topic::kFactsheet, Encode(sheet, version_));
+  }
   // The message is seen, but the vehicle does not get it.
   void Lose(Order order) {
     order.header = SampleHeader(version_, ++orders_, Now());
@@ -103,6 +117,7 @@ class Conversation {
   std::int64_t milliseconds_ = 1'000;
   std::uint32_t orders_ = 0;
   std::uint32_t instants_ = 0;
+  std::uint32_t zone_sets_ = 0;
   std::uint32_t states_ = 0;
 };
 
@@ -200,6 +215,11 @@ inline std::vector<std::pair<Rule, Play>> BrokenRules() {
        [](Conversation& c) {
          c.Send(WithPick(c.version(), BlockingType::kHard, "startPause"));
          c.Instant("startPause");
+       }},
+      {Rule::kZoneSetUnchanged,
+       [](Conversation& c) {
+         c.LoseZones("z1", ZoneType::kBlocked);
+         c.LoseZones("z1", ZoneType::kLineGuided);
        }},
       {Rule::kOnlineBeforeState,
        [](Conversation& c) {
@@ -355,6 +375,29 @@ inline std::vector<std::pair<Rule, Play>> BrokenRules() {
          c.ReportAs([](State& s) {
            s.maps = {{{"L1", "1", {}, StoredStatus::kEnabled}, {"L1", "2", {}, StoredStatus::kEnabled}}};
          });
+       }},
+      {Rule::kZoneSetAnswered,
+       [](Conversation& c) {
+         c.LoseZones("z1", ZoneType::kBlocked);
+         c.Wait(10'000);
+       }},
+      {Rule::kOneEnabledZoneSet,
+       [](Conversation& c) {
+         c.ReportAs([](State& s) {
+           s.zone_sets = {{{"z1", "L1", StoredStatus::kEnabled}, {"z2", "L1", StoredStatus::kEnabled}}};
+         });
+       }},
+      {Rule::kRequestsOfEnabledSets,
+       [](Conversation& c) {
+         c.ReportAs([](State& s) {
+           s.zone_sets = {{{"z1", "L1", StoredStatus::kDisabled}}};
+           s.zone_requests = {{{"r1", ZoneRequestType::kAccess, "zone", "z1", RequestStatus::kRequested, {}}}};
+         });
+       }},
+      {Rule::kZoneActionsReported,
+       [](Conversation& c) {
+         c.AnnounceZones({"ACTION"});
+         c.Report();
        }},
   };
 }

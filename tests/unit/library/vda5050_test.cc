@@ -112,8 +112,14 @@ class FleetOfHall {
         if (action.action_id == id) return action.status;
       }
     }
+    for (const fleet::ActionState& action : ZoneActions()) {
+      if (action.action_id == id) return action.status;
+    }
     ADD_FAILURE() << "no action " << id;
     return ActionStatus::kWaiting;
+  }
+  std::vector<fleet::ActionState> ZoneActions() const {
+    return state_->zone_action_states.value_or(std::vector<fleet::ActionState>());
   }
   bool HasError(const std::string& type) const {
     for (const fleet::VehicleError& error : state_->errors) {
@@ -458,6 +464,14 @@ fleet::ZoneSet ZoneOf(const std::string& id, fleet::ZoneType type) {
   zone.vertices = {{-0.5, -3.0}, {0.5, -3.0}, {0.5, 0.0}, {-0.5, 0.0}};
   if (type == fleet::ZoneType::kRelease) zone.release_loss_behavior = fleet::ZoneLoss::kStop;
   if (type == fleet::ZoneType::kSpeedLimit) zone.maximum_speed = 0.3;
+  if (type == fleet::ZoneType::kAction) {
+    zone.entry_actions = {{{"waitForTrigger", {}, fleet::BlockingType::kHard, {}, {}}}};
+    zone.during_actions = {{{"waitForTrigger", {}, fleet::BlockingType::kNone, {}, {}}}};
+    zone.exit_actions = {{{"detectObject", {}, fleet::BlockingType::kNone, {}, {}}}};
+  }
+  if (type == fleet::ZoneType::kDirected) zone.directed_limitation = fleet::DirectionLimit::kStrict;
+  if (type == fleet::ZoneType::kBidirected) zone.bidirected_limitation = fleet::DirectionLimit::kRestricted;
+  if (type == fleet::ZoneType::kDirected || type == fleet::ZoneType::kBidirected) zone.direction = 0.0;  // east
   set.zones = {zone};
   return set;
 }
@@ -554,6 +568,105 @@ TEST(Vda5050, IsSlowInAZoneWithASpeedLimit) {
   EXPECT_NEAR(fastest, 1.0, 0.01);
   EXPECT_NEAR(fastest_inside, 0.3, 0.01);
   EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, ExecutesTheActionsOfAZone) {
+  FleetWithZone fleet(fleet::ZoneType::kAction);
+  EXPECT_THAT(fleet.ZoneActions(), IsEmpty());
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.ZoneActions().size() == 2; }));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.StatusOf("zone-1") == ActionStatus::kRunning; }));
+  EXPECT_TRUE(fleet.IsInZone());
+  EXPECT_GT(fleet.pose().x, 0.5);  // just behind its border
+  fleet.Step(50);
+  EXPECT_FALSE(fleet.state().driving);
+  EXPECT_EQ(fleet.StatusOf("zone-2"), ActionStatus::kWaiting);
+  fleet.FleetOfHall::Send({ActionOf("trigger", "t1", {}, fleet::BlockingType::kNone)});
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.StatusOf("zone-2") == ActionStatus::kRunning; }));
+  EXPECT_EQ(fleet.StatusOf("zone-1"), ActionStatus::kFinished);
+  EXPECT_EQ(fleet.StatusOf("t1"), ActionStatus::kFinished);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.ZoneActions().size() == 3; }));
+  EXPECT_FALSE(fleet.IsInZone());
+  EXPECT_EQ(fleet.StatusOf("zone-2"), ActionStatus::kFinished);  // with the zone
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_EQ(fleet.StatusOf("zone-3"), ActionStatus::kFailed);  // nothing is there
+  EXPECT_TRUE(fleet.HasError("LOAD_NOT_FOUND"));
+  fleet.FleetOfHall::Send({ActionOf("clearZoneActions", "c1", {}, fleet::BlockingType::kNone)});
+  fleet.Step(2);
+  EXPECT_THAT(fleet.ZoneActions(), IsEmpty());
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, DrivesOnlyAGrantedPathThroughAZoneOfCoordinatedReplanning) {
+  FleetWithZone fleet(fleet::ZoneType::kCoordinatedReplanning);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.state().zone_requests && !fleet.state().driving; }));
+  const fleet::ZoneRequest request = fleet.state().zone_requests->front();
+  EXPECT_EQ(request.type, fleet::ZoneRequestType::kReplanning);
+  ASSERT_TRUE(request.trajectory.has_value());
+  EXPECT_NEAR(request.trajectory->control_points.back().x, -3.0, 1e-6);
+  EXPECT_FALSE(fleet.IsInZone());
+  fleet.Respond(fleet::GrantType::kGranted);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsInZone() && fleet.pose().x < 0.5; }));
+  // Without its grant it stands, and asks again.
+  fleet.Respond(fleet::GrantType::kRevoked);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("PATH_GRANT_LOST") && !fleet.state().driving; }));
+  EXPECT_TRUE(fleet.IsInZone());
+  ASSERT_TRUE(fleet.StepUntil(
+      [&] { return fleet.state().zone_requests && fleet.state().zone_requests->front().id != request.id; }));
+  fleet.Respond(fleet::GrantType::kGranted);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_FALSE(fleet.HasError("PATH_GRANT_LOST"));
+  EXPECT_FALSE(fleet.state().zone_requests.has_value());
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, DrivesInTheDirectionsOfAZone) {
+  // Westward, against the zone.
+  FleetWithZone fleet(fleet::ZoneType::kDirected);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.HasError("NODE_UNREACHABLE"); }));
+  fleet.Step(100);
+  EXPECT_FALSE(fleet.state().driving);
+  EXPECT_NEAR(fleet.pose().x, 0.6, 0.1);  // its centre is before the zone
+  EXPECT_EQ(fleet.state().errors.front().level, fleet::ErrorLevel::kCritical);
+  fleet.FleetOfHall::Send({ActionOf("cancelOrder", "c1", {}, fleet::BlockingType::kNone)});
+  ASSERT_TRUE(
+      fleet.StepUntil([&] { return fleet.state().node_states.empty() && !fleet.HasError("NODE_UNREACHABLE"); }));
+  // A trajectory of the order comes before the zone.
+  const Pose at = fleet.pose();
+  fleet::Order order = fleet.OrderOf("o2", {{"here", at.x, at.y}, {"w", -3.0, -1.5}});
+  fleet::Trajectory& line = order.edges[0].trajectory.emplace();
+  line.degree = 1;
+  line.control_points = {{at.x, at.y, {}}, {-3.0, -1.5, {}}};
+  fleet.FleetOfHall::Send(order);
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  // Eastward.
+  fleet.FleetOfHall::Send(fleet.OrderOf("o3", {{"w", -3.0, -1.5}, {"e", 3.0, -1.5}}));
+  ASSERT_TRUE(fleet.StepUntil([&] { return fleet.IsDone(); }));
+  EXPECT_NEAR(fleet.pose().x, 3.0, 0.1);
+  EXPECT_THAT(fleet.verdicts(), IsEmpty());
+  // Both ways, and not across.
+  FleetWithZone both(fleet::ZoneType::kBidirected);
+  ASSERT_TRUE(both.StepUntil([&] { return both.IsDone(); }));
+  both.FleetOfHall::Send(both.OrderOf("o2", {{"w", -3.0, -1.5}, {"n", 0.0, 0.6}, {"s", 0.0, -2.0}}));
+  ASSERT_TRUE(both.StepUntil([&] { return both.HasError("NODE_UNREACHABLE"); }));
+  EXPECT_EQ(both.state().last_node_id, "n");
+  EXPECT_THAT(both.verdicts(), IsEmpty());
+}
+
+TEST(Vda5050, ItsFactsheetHasTheZonesThatItHeeds) {
+  FleetOfHall fleet("cart_2", fleet::Version::k3_0);
+  fleet.Step();
+  for (const Simulation::FleetOutput& output : fleet.simulation().fleet_outputs()) {
+    if (output.robot != fleet.robot() || output.message.topic != FleetTopic::kFactsheet) continue;
+    const fleet::Decoded<fleet::Factsheet> sheet =
+        fleet::Decode<fleet::Factsheet>(output.message.text, fleet::Version::k3_0);
+    ASSERT_TRUE(sheet.ok());
+    EXPECT_THAT(*sheet.message.type.supported_zones,
+                testing::ElementsAre("BLOCKED", "LINE_GUIDED", "RELEASE", "COORDINATED_REPLANNING", "SPEED_LIMIT",
+                                     "ACTION", "DIRECTED", "BIDIRECTED"));
+    EXPECT_TRUE(sheet.message.FindAction("detectObject")->IsFor(fleet::ActionScope::kZone));
+    return;
+  }
+  FAIL() << "no factsheet";
 }
 
 TEST(Vda5050, ShowsItsPaths) {

@@ -37,6 +37,7 @@ export function vehicleRows(state: VehicleState): Row[] {
     ...(horizon.length > 0 ? [row('horizon', names(horizon))] : []),
     row('load', state.loads.length > 0 ? state.loads.join(', ') : 'none'),
   ];
+  if (state.requests.length > 0) rows.push(row('zones', ...state.requests.slice(0, MOST)));
   if (state.actions.length > 0) {
     const open = state.actions.filter(({status}) => status !== 'FINISHED' && status !== 'FAILED');
     const ended = state.actions.filter(action => !open.includes(action));

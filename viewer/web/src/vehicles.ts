@@ -35,6 +35,7 @@ export interface VehicleState {
   nodes: VehicleNode[];  // still to be traversed
   actions: VehicleAction[];
   errors: VehicleError[];
+  requests: string[];  // to enter zones, with their answers
   loads: string[];
   battery: number;  // %
   charging: boolean;
@@ -89,7 +90,7 @@ export function readVehicleState(json: string): VehicleState | null {
         line: edge?.trajectory ? pointsOf(edge.trajectory) : [],
       };
     }),
-    actions: [...list(state.actionStates), ...list(state.instantActionStates)].map((action): VehicleAction => ({
+    actions: [...list(state.actionStates), ...list(state.instantActionStates), ...list(state.zoneActionStates)].map((action): VehicleAction => ({
       id: text(action.actionId),
       type: text(action.actionType) || 'action',
       status: text(action.actionStatus),
@@ -101,6 +102,7 @@ export function readVehicleState(json: string): VehicleState | null {
       text: text(error.errorDescription),
       references: list(error.errorReferences).map(({referenceKey, referenceValue}) => `${text(referenceKey)} ${text(referenceValue)}`).join(', '),
     })),
+    requests: list(state.zoneRequests).map(({zoneId, requestType, requestStatus}) => `${text(zoneId)}: ${text(requestType)} ${text(requestStatus)}`),
     loads: list(state.loads).map(({loadId, loadType}) => text(loadId) || text(loadType) || 'a load'),
     battery: Number(power.batteryCharge ?? power.stateOfCharge) || 0,
     charging: power.charging === true,
