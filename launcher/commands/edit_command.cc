@@ -55,7 +55,7 @@ int EditCommand(const EditOptions& options) {
     std::fflush(stdout);
     pollfd waited = {signals.descriptor(), POLLIN, 0};
     while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
-    if (link.is_modified()) PrintPlain(stderr, "{}: warning: the last edits were not saved\n", file);
+    if (link.has_unsaved_edits()) PrintPlain(stderr, "{}: warning: the last edits were not saved\n", file);
     return kExitDone;
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));

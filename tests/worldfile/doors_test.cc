@@ -392,6 +392,51 @@ TEST(Lifts, CarryARobotAndItsLoadToAnotherFloor) {
   EXPECT_FALSE(run.state().robots[0].stalled);
 }
 
+// A define has the lift and the doors of its landings: under the names by which the lift calls them, at the heights of
+// their floors, wherever the lift is put, also at its upper floor.
+TEST(Lifts, HaveTheDoorsOfTheirLandingsAsChildren) {
+  const std::string landing = "include \"doors.inc\"\n";
+  for (const double z : {0.0, 3.0}) {
+    const WorldDescription world =
+        LoadDoors(landing + "elevator ( name \"e\" pose [4 1 " + std::to_string(z) + " 90] )");
+    ASSERT_EQ(world.lifts.size(), 1u);
+    ASSERT_EQ(world.doors.size(), 2u);
+    for (std::size_t floor = 0; floor < 2; ++floor) {
+      ASSERT_EQ(world.lifts[0].floors[floor].doors, std::vector<std::size_t>{floor});
+      const DoorDescription& door = world.doors[floor];
+      EXPECT_EQ(world.model(door.model).name, floor == 0 ? "e.ground_door" : "e.first_door");
+      EXPECT_FALSE(door.is_operated);
+      EXPECT_NEAR(world.model(world.lifts[0].model).X_PM.z + world.model(door.model).X_PM.z, 3.0 * static_cast<double>(floor), 1e-12);
+      for (const DoorLeaf& leaf : door.leaves) {
+        EXPECT_NEAR(leaf.X_WH.z, 3.0 * static_cast<double>(floor), 1e-12);
+        EXPECT_NEAR(leaf.X_WH.x, 4.84, 1e-9);
+      }
+    }
+  }
+  // Two lifts have the names of their doors for themselves, and both serve their floors.
+  Simulation run = Simulate(landing + R"(
+    elevator ( name "a" pose [0 0 0 0] )
+    elevator ( name "b" pose [6 0 0 0] )
+    cart ( name "r" pose [6 -2 0 90] )
+  )");
+  Command call = Motion(0.0);
+  call.orders = {LiftOrder{.lift = 1, .floor = 0}};
+  Do(run, "r", call, 40);
+  EXPECT_EQ(run.state().doors[2].opening, 1.0);
+  EXPECT_EQ(run.state().doors[0].opening, 0.0);
+  Do(run, "r", Motion(1.0), 20);
+  ASSERT_NEAR(run.state().robots[0].X_WR.y, 0.0, 1e-9) << "in the cabin";
+  call.orders = {LiftOrder{.lift = 1, .floor = 1}};
+  Do(run, "r", call, 120);
+  EXPECT_EQ(run.state().lifts[1].z, 3.0);
+  EXPECT_EQ(run.state().doors[2].opening, 0.0);
+  EXPECT_EQ(run.state().doors[3].opening, 1.0);
+  EXPECT_NEAR(run.state().robots[0].X_WR.z, 3.0, 1e-9);
+  EXPECT_EQ(ErrorOfDoors("lift ( floors [\"a\"] heights [0] floor_doors [\"a\" \"none\"] block ( points 3 point[0] [0 0] "
+                         "point[1] [1 0] point[2] [0 1] z [0 0.1] ) )"),
+            "found no door 'none', expected a 'door' for the lift");
+}
+
 TEST(Lifts, ServeOneSessionAtATime) {
   Simulation run = Simulate(kLift + "cart ( name \"other\" pose [-3 2 3 0] )");
   Do(run, "r", Call(1), 1);

@@ -91,9 +91,9 @@ EditLink::~EditLink() {
   thread_.join();
 }
 
-bool EditLink::is_modified() const {
+bool EditLink::has_unsaved_edits() const {
   const std::lock_guard lock(mutex_);
-  return editor_->is_modified();
+  return editor_->has_unsaved_edits();
 }
 
 Result<std::unique_ptr<RunObservation>> EditLink::Observe(ObserverHandler& handler) {

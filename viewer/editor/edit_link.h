@@ -35,7 +35,7 @@ class EditLink final : public RunLink {
   Result<ControlReply> Ask(const control::Request& request) override;
   Result<nlohmann::json> Edit(const EditOperation& operation) override;
 
-  bool is_modified() const;
+  bool has_unsaved_edits() const;
 
  private:
   class Observation;

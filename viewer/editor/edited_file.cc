@@ -153,7 +153,14 @@ void EditedFile::EndJoined(std::string label) {
 }
 
 bool EditedFile::is_modified(const std::set<std::string>& named) const {
-  if (!on_disk_ || *on_disk_ != text()) return true;
+  return !on_disk_ || *on_disk_ != text() || HasModifiedPictures(named);
+}
+
+bool EditedFile::has_unsaved_edits(const std::set<std::string>& named) const {
+  return on_disk_.value_or(initial_) != text() || HasModifiedPictures(named);
+}
+
+bool EditedFile::HasModifiedPictures(const std::set<std::string>& named) const {
   const std::vector<std::string> modified = pictures_.Modified(versions());
   return std::any_of(modified.begin(), modified.end(), [&](const auto& path) { return named.contains(path); });
 }

@@ -74,6 +74,8 @@ class EditedFile {
   const std::string& text() const { return Now().text; }
   // `named`: the images that the text names; others are not written.
   bool is_modified(const std::set<std::string>& named) const;
+  // The same, but that a new file which has only its initial text holds no edit that could be lost.
+  bool has_unsaved_edits(const std::set<std::string>& named) const;
 
   // The images that are edited. To open one or to create it is no edit.
   EditedPictures& pictures() { return pictures_; }
@@ -111,13 +113,15 @@ class EditedFile {
   };
 
   EditedFile(std::string path, std::string text, std::optional<std::string> on_disk)
-      : path_(std::move(path)), on_disk_(std::move(on_disk)), states_{{std::move(text), {}, "", 0}} {}
+      : path_(std::move(path)), on_disk_(std::move(on_disk)), initial_(text), states_{{std::move(text), {}, "", 0}} {}
 
   const State& Now() const { return joined_ ? *joined_ : states_[at_]; }
   std::size_t BytesOf(const State& state, const State* before) const;
+  bool HasModifiedPictures(const std::set<std::string>& named) const;
 
   std::string path_;
   std::optional<std::string> on_disk_;  // as read or saved; nothing: there was no file
+  std::string initial_;                 // the text when it was opened
   EditedPictures pictures_;
   std::vector<State> states_;
   std::size_t at_ = 0;

@@ -47,6 +47,7 @@ class Editor {
   const std::string& path() const { return file_.path(); }
   const std::string& text() const { return file_.text(); }
   bool is_modified() const { return file_.is_modified(NamedImages()); }
+  bool has_unsaved_edits() const { return file_.has_unsaved_edits(NamedImages()); }
   // The files with the images as they are edited. Valid until the next edit.
   NamedFiles files() const { return FilesWith(file_.versions()); }
   // True for a shared library that the file named when it was opened: a page is not to choose code that runs.

@@ -5,7 +5,8 @@
 // floors is an error.
 //
 // The doors are models of the file; a lift takes them over, so that nothing else opens them: no request and no robot
-// nearby.
+// nearby. A door that is a child of the lift is named as the lift names it, and stands at the height of its floor, so
+// that one define has the lift with the doors of all its landings.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -79,7 +80,10 @@ class LiftReader : public ModelReader {
     }
     for (std::size_t i = 0; i < lift_.floors.size(); ++i) {
       for (const std::string& name : draft_.floors[i].doors) {
-        if (const auto door = DoorOf(name, context)) lift_.floors[i].doors.push_back(*door);
+        const auto door = DoorOf(name, context);
+        if (!door) continue;
+        lift_.floors[i].doors.push_back(*door);
+        if (IsChild(*door, context.world)) Raise(context.world.doors[*door], lift_.floors[i].z, context.world);
       }
     }
     // A door of a lift moves by it alone.
@@ -134,10 +138,26 @@ class LiftReader : public ModelReader {
     }
   }
 
+  // A child of the lift before any other door.
   std::optional<std::size_t> DoorOf(const std::string& name, BuildContext& context) const {
-    const std::optional<std::size_t> door = FindDoor(context.world, name);
+    std::optional<std::size_t> door = FindDoor(context.world, context.world.model(lift_.model).name + "." + name);
+    if (!door) door = FindDoor(context.world, name);
     if (!door) context.diagnostics.Fail(where_, "found no door " + Quoted(name) + ", expected a 'door' for the lift");
     return door;
+  }
+
+  bool IsChild(std::size_t door, const WorldDescription& world) const {
+    return world.model(world.doors[door].model).parent == lift_.model;
+  }
+
+  // To `z` (m, W), with its leaves as they stand at load.
+  static void Raise(DoorDescription& door, double z, WorldDescription& world) {
+    ModelDescription& model = world.models[door.model.index()];
+    model.X_PM.z = z - world.model(*model.parent).X_PM.z;
+    for (DoorLeaf& leaf : door.leaves) {
+      leaf.X_WH.z = z;
+      world.models[world.objects[leaf.object.index()].index()].X_PM = leaf.X_WH_at(door.opening);
+    }
   }
 
   SourceLocation where_;

@@ -187,7 +187,7 @@ TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
   EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
     return session.world_edition == frame.world_edition && frame.state.objects[0].X_WO.x == 2.0 && frame.paused;
   }));
-  EXPECT_TRUE(edited.link->is_modified());
+  EXPECT_TRUE(edited.link->has_unsaved_edits());
 }
 
 TEST(EditLinkTest, StaticModelsBeforeDoorsAndLiftsAreShownAtTheirPlaces) {
@@ -235,7 +235,7 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
     ASSERT_TRUE(edited.Edit({{"op", "end_test"}}).ok());
     EXPECT_TRUE(edited.watcher.Await(
         [](const SessionMessage& session, const FrameMessage&) { return session.world->name == "hall.world"; }));
-    EXPECT_FALSE(edited.link->is_modified());
+    EXPECT_FALSE(edited.link->has_unsaved_edits());
   }
 }
 
@@ -267,10 +267,28 @@ TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   }));
 }
 
+TEST(EditLinkTest, AFileThatDoesNotExistYetHasNothingToLoseUntilAnEdit) {
+  const test::TemporaryFolder folder;
+  EditLink link(std::move(Editor::Open(folder / "new.world")).value());
+  EXPECT_FALSE(link.has_unsaved_edits());
+  const auto edit = [&](const nlohmann::json& request) {
+    return link.Edit(DecodeEditOperation(JsonReader::OfText(request.dump())).value()).ok();
+  };
+  ASSERT_TRUE(edit({{"op", "set_text"}, {"text", "model( name \"wall\" )\n"}}));
+  EXPECT_TRUE(link.has_unsaved_edits());
+  ASSERT_TRUE(edit({{"op", "undo"}}));
+  EXPECT_FALSE(link.has_unsaved_edits());
+  ASSERT_TRUE(edit({{"op", "redo"}}));
+  ASSERT_TRUE(edit({{"op", "save"}}));
+  EXPECT_FALSE(link.has_unsaved_edits());
+  ASSERT_TRUE(edit({{"op", "undo"}}));
+  EXPECT_TRUE(link.has_unsaved_edits()) << "the file has the wall";
+}
+
 TEST(EditLinkTest, ATestOfAnUnknownModelIsRefused) {
   Edited edited;
   EXPECT_FALSE(edited.Edit({{"op", "test"}, {"model", "no"}}).ok());
-  EXPECT_FALSE(edited.link->is_modified());
+  EXPECT_FALSE(edited.link->has_unsaved_edits());
 }
 
 }  // namespace
