@@ -10,7 +10,9 @@ function(troupe_precompiled_headers name)
   endif()
   file(WRITE ${CMAKE_BINARY_DIR}/${name}.cc "")
   add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/${name}.cc)
-  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE "${arg_PIC}")
+  if(NOT EMSCRIPTEN)
+    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE "${arg_PIC}")
+  endif()
   target_link_libraries(${name} PRIVATE troupe_options ${arg_DEPENDS})
   target_precompile_headers(${name} PRIVATE ${arg_HEADERS})
 endfunction()
@@ -27,7 +29,9 @@ set(TROUPE_UNOPTIMIZED "" CACHE STRING "Folders whose libraries are compiled wit
 
 # For a library or a program of this folder.
 function(troupe_compile_as_its_folder name)
-  target_compile_options(${name} PRIVATE -fPIC)  # as the precompiled headers; of a program CMake would make it -fPIE
+  if(NOT EMSCRIPTEN)  # whose module is linked at fixed addresses
+    target_compile_options(${name} PRIVATE -fPIC)  # as the precompiled headers; of a program CMake would make it -fPIE
+  endif()
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   if(TROUPE_UNOPTIMIZED AND folder MATCHES "${TROUPE_UNOPTIMIZED}")
     target_compile_options(${name} PRIVATE -O0)

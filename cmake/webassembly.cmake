@@ -4,6 +4,15 @@ set(CMAKE_CXX_FLAGS "${CMAKE_CXX_FLAGS} -fwasm-exceptions")
 set(CMAKE_EXE_LINKER_FLAGS "${CMAKE_EXE_LINKER_FLAGS} -fwasm-exceptions")
 # Where Debian has the parser with which emscripten shrinks its loader.
 set_property(GLOBAL PROPERTY RULE_LAUNCH_LINK "${CMAKE_COMMAND} -E env NODE_PATH=/usr/share/nodejs")
+# The archiver itself: emscripten's is a Python program around it. It writes the index, too.
+find_program(LLVM_AR NAMES llvm-ar-14 llvm-ar REQUIRED)
+foreach(language C CXX)
+  set(CMAKE_${language}_ARCHIVE_CREATE "${LLVM_AR} qcs <TARGET> <OBJECTS>")
+  set(CMAKE_${language}_ARCHIVE_APPEND "${LLVM_AR} qs <TARGET> <OBJECTS>")
+  set(CMAKE_${language}_ARCHIVE_FINISH "")
+endforeach()
+# Each compilation parses and instantiates the same headers, so a library is one.
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)
 
 # Of Debian's libraries the headers that need no library: links to them, because the folder that has them has those of
 # the host's C library, too.
@@ -23,7 +32,6 @@ file(MAKE_DIRECTORY ${host_headers}/features)
 file(CREATE_LINK ${dds_features} ${host_headers}/features/dds SYMBOLIC)
 include_directories(BEFORE SYSTEM ${PROJECT_SOURCE_DIR}/viewer/module/standard)
 include_directories(SYSTEM ${host_headers} ${host_headers}/features)
-add_compile_definitions(FMT_HEADER_ONLY)
 add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-Wno-defaulted-function-deleted>)  # of pairs, whose library has no <=>
 
 function(troupe_header_targets)
@@ -31,9 +39,13 @@ function(troupe_header_targets)
     add_library(${name} INTERFACE IMPORTED GLOBAL)
   endforeach()
 endfunction()
-troupe_header_targets(Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json Threads::Threads CycloneDDS::ddsc
+troupe_header_targets(Eigen3::Eigen nlohmann_json::nlohmann_json Threads::Threads CycloneDDS::ddsc
   PNG::PNG JPEG::JPEG PkgConfig::CAIRO)
 add_library(valijson INTERFACE)
+add_library(fmt::fmt INTERFACE IMPORTED GLOBAL)
+target_link_libraries(fmt::fmt INTERFACE troupe_page_format)
+list(APPEND library_headers <fmt/format.h>)
+troupe_precompiled_headers(troupe_library_headers ${library_headers})
 
 # What Debian has for this machine only, from its source.
 set(yaml ${PROJECT_SOURCE_DIR}/build/wasm-root/yaml-cpp)
@@ -42,7 +54,6 @@ if(NOT yaml_sources)
   message(FATAL_ERROR "${yaml} is not there: run scripts/setup-wasm")
 endif()
 add_library(yaml-cpp STATIC EXCLUDE_FROM_ALL ${yaml_sources})
-set_target_properties(yaml-cpp PROPERTIES UNITY_BUILD OFF)
 target_compile_definitions(yaml-cpp PUBLIC YAML_CPP_STATIC_DEFINE)
 target_include_directories(yaml-cpp SYSTEM PUBLIC ${yaml}/include)
 

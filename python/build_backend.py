@@ -12,6 +12,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import time
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -28,6 +29,38 @@ def _metadata():
             + (ROOT / "docs/python.md").read_text())
 
 
+# Of every system with the C library of the wheel's tag and with the standard library of C++.
+_OF_THE_SYSTEM = ("ld-linux", "libc.so", "libm.so", "libgcc_s.so", "libstdc++.so", "libpthread.so", "libdl.so", "librt.so")
+
+
+def _needed_libraries(library):
+    """The shared libraries that `library` needs, directly or through others, beside the system's: paths by name."""
+    found = subprocess.run(["ldd", str(library)], check=True, text=True, stdout=subprocess.PIPE).stdout
+    places = re.findall(r"^\s*(\S+) => (/\S+)", found, flags=re.MULTILINE)
+    return {name: pathlib.Path(place) for name, place in places if not name.startswith((*_OF_THE_SYSTEM, "libtroupe"))}
+
+
+def _copyrights(libraries):
+    """The terms of the packages of Debian that the libraries are of, by the names of the packages."""
+    texts = {}
+    for place in libraries:
+        owner = subprocess.run(["dpkg-query", "--search", f"*/{place.resolve().name}"], check=False, text=True, stdout=subprocess.PIPE,
+                               stderr=subprocess.DEVNULL).stdout.split(":")[0]
+        text = pathlib.Path(f"/usr/share/doc/{owner}/copyright")
+        if owner and text.exists():
+            texts[owner] = text.read_bytes()
+    return texts
+
+
+def _stripped(data):
+    """A shared library without the symbols that only debuggers read."""
+    with tempfile.NamedTemporaryFile(suffix=".so") as file:
+        file.write(data)
+        file.flush()
+        subprocess.run(["strip", "--strip-unneeded", file.name], check=True)
+        return pathlib.Path(file.name).read_bytes()
+
+
 def _build(folder):
     """Compiles the package into `folder`/python/troupe."""
     configure = ["cmake", "-S", str(ROOT), "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON",
@@ -42,20 +75,32 @@ def _has(program):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """Settings: `built`, a build folder that has the package already; `bundle`, with all libraries that a bare system lacks."""
+    settings = config_settings or {}
     tag = f"cp{sys.version_info[0]}{sys.version_info[1]}"
     platform = re.sub(r"[-.]", "_", sysconfig.get_platform())
+    if settings.get("bundle"):
+        platform = platform.replace("linux", f"manylinux_{os.confstr('CS_GNU_LIBC_VERSION').split()[1].replace('.', '_')}")
     info = f"troupe-{_version()}.dist-info"
     name = f"troupe-{_version()}-{tag}-{tag}-{platform}.whl"
-    with tempfile.TemporaryDirectory() as folder:
-        _build(folder)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = settings.get("built", temporary)
+        if folder == temporary:
+            _build(folder)
         package = pathlib.Path(folder) / "python/troupe"
-        if not list(package.glob("_troupe*.so")):
+        if not list(package.glob(f"_troupe*{tag[2:]}*.so")):
             raise RuntimeError("the package was not built: see CMake's message above, and run scripts/setup")
         # The wheel has no links: the library has the name by which the extension knows it.
         library = next(path for path in (pathlib.Path(folder) / "lib").glob("libtroupe.so.*.*") if path.is_symlink())
         content = {f"troupe/{path.relative_to(package)}": path.read_bytes()
                    for path in sorted(package.rglob("*")) if path.is_file() and "__pycache__" not in path.parts}
         content[f"troupe/{library.name}"] = library.read_bytes()
+        if settings.get("bundle"):
+            # The extension's search path counts for what its libraries need, too.
+            needed = _needed_libraries(library)
+            content.update({f"troupe/{name}": place.read_bytes() for name, place in sorted(needed.items())})
+            content.update({f"{info}/licenses/{owner}": text for owner, text in sorted(_copyrights(needed.values()).items())})
+            content.update({path: _stripped(data) for path, data in content.items() if ".so" in path})
     for part in ("office.world", "robotics_lab.world", "include", "bitmaps", "scenarios"):
         place = ROOT / "worlds" / part
         for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
@@ -69,9 +114,13 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     # Each file with its digest, as the format of wheels (PEP 427) demands; RECORD itself has none.
     record = "".join(f"{path},sha256={_digest(data)},{len(data)}\n" for path, data in content.items())
     content[f"{info}/RECORD"] = (record + f"{info}/RECORD,,\n").encode()
-    with zipfile.ZipFile(os.path.join(wheel_directory, name), "w", zipfile.ZIP_DEFLATED) as wheel:
+    # Of the release, so that the same files give the same bytes.
+    stamp = time.gmtime(max(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())), 315532800))[:6]
+    with zipfile.ZipFile(os.path.join(wheel_directory, name), "w") as wheel:
         for path, data in content.items():
-            wheel.writestr(path, data)
+            entry = zipfile.ZipInfo(path, stamp)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            wheel.writestr(entry, data)
     return name
 
 

@@ -79,7 +79,7 @@ std::string Unpacked(const PageFile& file) {
   return bytes;
 }
 
-// The simulation for the page, as scripts/setup-wasm and the preset wasm build it.
+// The simulation for the page, as scripts/build-module builds it.
 struct Module {
   std::string wasm;
   std::string worker;  // JavaScript
@@ -94,9 +94,10 @@ Result<Module> ReadModule(std::string folder) {
   const Result<std::string> loader = read("troupe-core.js");
   const Result<std::string> worker = read("page_worker.js");
   if (!wasm.ok() || !loader.ok() || !worker.ok()) {
-    return Error{{folder},
-                 "found no WebAssembly module, expected that of the preset wasm (scripts/setup-wasm; "
-                 "cmake --preset wasm; cmake --build --preset wasm), or its folder by --module"};
+    return Error{
+        {folder},
+        "found no WebAssembly module, expected that of `scripts/build-module`, which takes about five minutes of "
+        "processor time once, or its folder by --module"};
   }
   return Module{std::move(wasm).value(), loader.value() + "\n" + worker.value()};
 }

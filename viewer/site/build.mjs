@@ -166,7 +166,7 @@ function cards(path) {
 
 function livePage() {
   const introduction = live.length === 0
-    ? 'This site was built without the WebAssembly module, so that it has no pages that simulate (scripts/setup-wasm; the preset wasm).'
+    ? 'This site was built without the WebAssembly module, so that it has no pages that simulate (scripts/build-module).'
     : 'Each page is one file with the simulation as a WebAssembly module. It steps in this browser, with the state hashes of <code>troupe run</code>, and asks no server for anything. '
       + 'Pause it, change it, run it again with other values, and download what you see as files for <code>troupe run</code>.';
   const text = live.map(each => `${each.title}: ${each.text} ${each.try}`).join(' ');
