@@ -18,8 +18,8 @@
 #include "fleet/order_message.h"
 #include "fleet/rules.h"
 #include "fleet/state_message.h"
-#include "fleet/zone_message.h"
 #include "fleet/topic.h"
+#include "fleet/zone_message.h"
 
 namespace troupe::fleet {
 

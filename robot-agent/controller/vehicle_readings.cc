@@ -135,8 +135,7 @@ std::vector<fleet::ActionSpecification> ActionsOf(fleet::Version version, bool h
     actions.push_back(ActionOf("retry", "tries an action again", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("skipRetry", "gives an action up", {Scope::kInstant}, {{"actionId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("clearInstantActions", "forgets those that have ended", {Scope::kInstant}));
-    actions.push_back(
-        ActionOf("clearZoneActions", "forgets those that have ended", {Scope::kInstant, Scope::kNode}));
+    actions.push_back(ActionOf("clearZoneActions", "forgets those that have ended", {Scope::kInstant, Scope::kNode}));
     actions.push_back(ActionOf("enableZoneSet", "uses that set of zones of its map", {Scope::kInstant, Scope::kNode},
                                {{"zoneSetId", "STRING", {}, {}}}));
     actions.push_back(ActionOf("deleteZoneSet", "forgets a set of zones that is not enabled", {Scope::kInstant},

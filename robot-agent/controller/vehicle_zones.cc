@@ -133,8 +133,8 @@ struct VehicleZones::Sight {
   std::string ahead_key = {};
   const fleet::Zone* lost = nullptr;  // a release
   std::string lost_path = {};
-  bool holds_unreachable = false;                  // that zone is enabled still
-  std::vector<fleet::ZoneEntered> touched = {};    // ACTION zones
+  bool holds_unreachable = false;                // that zone is enabled still
+  std::vector<fleet::ZoneEntered> touched = {};  // ACTION zones
 };
 
 // RELEASE and COORDINATED_REPLANNING: they may be entered with a grant only.
@@ -249,10 +249,9 @@ VehicleZones::Limit VehicleZones::Look(const fleet::VehicleMemory& memory, const
     const std::string& set = stored.set.zone_set_id;
     for (const fleet::Zone& zone : stored.set.zones) {
       const Polygon outline = OutlineOf(zone);
-      const bool was_inside =
-          std::any_of(memory.zones_inside.begin(), memory.zones_inside.end(), [&](const fleet::EnteredZone& each) {
-            return each.zone_set_id == set && each.zone_id == zone.id;
-          });
+      const bool was_inside = std::any_of(
+          memory.zones_inside.begin(), memory.zones_inside.end(),
+          [&](const fleet::EnteredZone& each) { return each.zone_set_id == set && each.zone_id == zone.id; });
       Meeting meeting{.zone = zone, .set = set, .key = set + "/" + zone.id, .way = way};
       meeting.keeps = way == nullptr && !memory.nodes.empty();
       meeting.is_inside = IsIn(outline, place.radius + (was_inside ? kLeft : 0.0), place.at);

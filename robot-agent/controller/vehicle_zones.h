@@ -54,8 +54,7 @@ class VehicleZones {
     std::uint32_t sequence_id = 0;
   };
 
-  void Heed(const fleet::VehicleMemory& memory, const Place& place, const Meeting& meeting, Sight& sight,
-            Limit& limit);
+  void Heed(const fleet::VehicleMemory& memory, const Place& place, const Meeting& meeting, Sight& sight, Limit& limit);
   void Enter(const fleet::VehicleMemory& memory, const Place& place, const Meeting& meeting, Sight& sight,
              Limit& limit);
   void TellUnreachable(const fleet::VehicleMemory& memory, const Sight& sight, Limit& limit);

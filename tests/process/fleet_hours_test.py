@@ -69,6 +69,11 @@ def main():
         jobs = max(10, round(JOBS_PER_HOUR * arguments.hours * arguments.vehicles))
         subprocess.run([sys.executable, EXAMPLE / "make_warehouse.py", folder, "--vehicles", str(arguments.vehicles), "--jobs", str(jobs),
                         "--people", str(arguments.people), "--doors"], check=True)
+        # Without visualizations many ticks have no message, and need no answer.
+        scenario = json.loads((folder / "warehouse.json").read_text())
+        for robot in scenario["robots"]:
+            robot["controller"]["parameters"]["visualization_interval"] = 0
+        (folder / "warehouse.json").write_text(json.dumps(scenario))
         with Broker(folder) as broker, open(folder / "control", "wb") as told, open(folder / "run", "wb") as lines:
             client = mqtt.Client()
             subscribed = threading.Event()
