@@ -10,6 +10,7 @@
 #include <utmp.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "tests/process/programs.h"
@@ -103,11 +104,9 @@ class TerminalProgram {
 
 class Driving : public testing::Test {
  protected:
-  void Start(const std::vector<std::string>& more = {}) {
-    run_ =
-        std::make_unique<Program>(Troupe(Words("run % --domain % --session % --headless",
-                                               {WorldPath("driving.world"), std::to_string(TestDomain()), session_}) +
-                                         more));
+  void Start(const std::vector<std::string>& more = {}, const std::string& file = WorldPath("driving.world")) {
+    run_ = std::make_unique<Program>(Troupe(
+        Words("run % --domain % --session % --headless", {file, std::to_string(TestDomain()), session_}) + more));
     run_->WaitForLine("ready");
     client_ = std::make_unique<ControlClient>(NetworkOf(session_));
     ASSERT_TRUE(client_->WaitForService(kSeconds).ok());
@@ -254,6 +253,24 @@ TEST_F(Driving, TeleopDrivesByKeysAndRestoresTheTerminal) {
   EXPECT_EQ(tool.Wait(), 0) << tool.output();
   EXPECT_TRUE(tool.is_restored());
   EXPECT_TRUE(Await("idler", Stands));
+}
+
+TEST_F(Driving, AVehicleOfAFleetControlIsManualWhileKeysDriveIt) {
+  Start({"--speed", "1"}, std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/vda5050.json");
+  const auto is_in_mode = [](const std::string& mode) {
+    return [mode](const EntityReport& robot) {
+      return robot.signals.find("\"operatingMode\":\"" + mode + "\"") != std::string::npos;
+    };
+  };
+  EXPECT_TRUE(Await("cart_1", is_in_mode("AUTOMATIC")));
+  TerminalProgram tool = Teleop({"cart_1", "--hold", "30"});
+  ASSERT_TRUE(tool.WaitFor("cart_1: ahead 0.00"));
+  tool.Type("w");
+  EXPECT_TRUE(Await("cart_1", is_in_mode("MANUAL")));
+  EXPECT_TRUE(Await("cart_1", [](const EntityReport& robot) { return robot.twist.vx > 0.0; }));
+  tool.Type("x");
+  EXPECT_EQ(tool.Wait(), 0) << tool.output();
+  EXPECT_TRUE(Await("cart_1", is_in_mode("AUTOMATIC")));
 }
 
 TEST_F(Driving, AKeyCountsForAWhileOnly) {
