@@ -4,18 +4,18 @@ of a fleet control to the state that answers it.
 
 usage: fleet_gateway.py --programs FOLDER [--vehicles N] [--seconds S] [--rate R] [--speed X]
 
-A run of N vehicles (1,000) with a state and a visualization each second is played twice for S seconds of wall time (60), without a broker
-and with Debian's mosquitto on loopback; the difference of the processor times is the gateway's. Meanwhile a client sends R instant
-actions in a second (50) to vehicles in turn, which the states show: the latency is from the call that publishes an action to the call
-that delivers such a state. Of it the wait for the next tick is a part, half an interval (of 100 ms at --speed 1) on average. An echo,
-what the client sends to itself through the broker at the same time, says what of it is the broker's and the client's own.
+A run of N vehicles (1,000) with a state each second is played twice for S simulated seconds (60), without a broker and with Debian's
+mosquitto on loopback; the difference of the processor times, connections included, is the gateway's. Meanwhile a client sends R instant
+actions in a second of wall time (50) to vehicles in turn, which the states show: the latency is from the call that publishes an action to
+the call that delivers such a state. Of it the wait for the next tick is a part, half an interval (of 100 ms at --speed 1) on average. An
+echo, what the client sends to itself through the broker at the same time, says what of it is the broker's and the client's own.
 """
 import argparse
 import json
 import os
 import pathlib
 import re
-import signal
+import subprocess
 import sys
 import tempfile
 import threading
@@ -26,7 +26,7 @@ import paho.mqtt.client as mqtt
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests/process"))
-from mqtt_broker import SECONDS, Broker, Listener  # noqa: E402
+from mqtt_broker import SECONDS, Broker  # noqa: E402
 
 SPACING = 2.0  # m between vehicles
 WORLD = """name "many_vehicles"
@@ -42,15 +42,10 @@ def write_scenario(folder, count):
     names = [f"cart_{i}" for i in range(count)]
     carts = "".join(f'cart( name "{name}" pose [{SPACING * (i % side)} {SPACING * (i // side)} 0 0] )\n' for i, name in enumerate(names))
     (folder / "many.world").write_text(WORLD + carts)
-    controller = {"name": "vda5050", "parameters": {"map": "hall", "state_interval": 1.0, "visualization_interval": 1.0}}
+    controller = {"name": "vda5050", "parameters": {"map": "hall", "state_interval": 1.0, "visualization_interval": 0}}
     path = folder / "many.json"
     path.write_text(json.dumps({"world": "many.world", "robots": [{"name": name, "controller": controller} for name in names]}))
     return path, names
-
-
-def processor_seconds(pid):
-    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class Client:
@@ -58,11 +53,11 @@ class Client:
     def __init__(self, port, names):
         self.lock, self.names, self.number = threading.Lock(), names, 0
         self.sent, self.latencies, self.echoes, self.messages, self.bytes = {}, [], [], 0, 0
-        self.online, self.states = set(), set()
+        self.states = set()
         self.client = mqtt.Client()
         self.client.max_inflight_messages_set(1000)
         ready = threading.Event()
-        self.client.on_connect = lambda client, *_: client.subscribe([("uagv/v2/Troupe/#", 0), ("benchmark/echo", 0)])
+        self.client.on_connect = lambda client, *_: client.subscribe([("uagv/v2/Troupe/+/state", 0), ("benchmark/echo", 0)])
         self.client.on_subscribe = lambda *_: ready.set()
         self.client.on_message = self._on_message
         self.client.connect("127.0.0.1", port)
@@ -74,17 +69,10 @@ class Client:
         if message.topic == "benchmark/echo":
             self.echoes.append(now - float(message.payload))
             return
-        levels = message.topic.split("/")
-        if levels[4] in ("order", "instantActions"):
-            return
         with self.lock:
             self.messages += 1
             self.bytes += len(message.payload)
-            if levels[4] == "connection":
-                self.online.add(levels[3])
-            if levels[4] != "state":
-                return
-            self.states.add(levels[3])
+            self.states.add(message.topic)
             for found in re.findall(rb'"actionId":"(b-\d+)"', message.payload):
                 begin = self.sent.pop(found, None)
                 if begin is not None:
@@ -113,33 +101,29 @@ def share(values, part):
 
 
 def play(arguments, path, names, broker=None):
-    """Processor seconds of the run in the time, the time, and the client."""
+    """Processor seconds and wall seconds of the run, and the client."""
     more = ["--vda5050", broker.url] if broker else []
     client = Client(broker.port, names) if broker else None
-    with Listener(arguments.programs / "troupe", "run", path, "--in-process", "--headless", "--speed", arguments.speed, *more) as run:
-        if client:
-            until = time.monotonic() + 10 * SECONDS
-            while len(client.states) < len(names):
-                assert time.monotonic() < until and run.process.poll() is None, (len(client.online), len(client.states))
-                time.sleep(0.1)
-        else:
-            time.sleep(5.0)  # its begin is no part of the time
-        begin, processor = time.monotonic(), processor_seconds(run.process.pid)
-        count = client.messages if client else 0
-        sent = 0
-        while time.monotonic() - begin < arguments.seconds:
-            due = (time.monotonic() - begin) * arguments.rate
-            while client and sent < due:
-                client.send()
-                sent += 1
-            time.sleep(0.5 / arguments.rate)
-        seconds, used = time.monotonic() - begin, processor_seconds(run.process.pid) - processor
-        count = (client.messages if client else 0) - count
-        run.process.send_signal(signal.SIGINT)
-        run.finish(interrupt=False)
+    ticks = str(round(10 * arguments.seconds))
+    begin, sent, first = time.monotonic(), 0, None
+    run = subprocess.Popen([arguments.programs / "troupe", "run", path, "--in-process", "--headless", "--speed", arguments.speed, "--ticks",
+                            ticks, *more], stdout=subprocess.DEVNULL)
+    while True:
+        pid, status, usage = os.wait4(run.pid, os.WNOHANG)
+        if pid:
+            break
+        now = time.monotonic()
+        if client and first is None and len(client.states) == len(names):
+            first = now
+        while first is not None and sent < (now - first) * arguments.rate:
+            client.send()
+            sent += 1
+        time.sleep(0.5 / arguments.rate)
+    run.returncode = os.waitstatus_to_exitcode(status)
+    assert run.returncode == 0, run.returncode
     if client:
         client.close()
-    return used, seconds, count, client
+    return usage.ru_utime + usage.ru_stime, time.monotonic() - begin, client
 
 
 def main():
@@ -153,13 +137,12 @@ def main():
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place)
         path, names = write_scenario(folder, arguments.vehicles)
-        alone, alone_seconds, _, _ = play(arguments, path, names)
+        alone, _, _ = play(arguments, path, names)
         with Broker(folder) as broker:
-            used, seconds, count, client = play(arguments, path, names, broker)
-    core = used / seconds - alone / alone_seconds
-    print(f"{arguments.vehicles} vehicles, speed {arguments.speed}: {count / seconds:.0f} messages and {client.bytes / client.messages:.0f} "
-          f"bytes each; the run {used / seconds:.3f} of a core with the broker and {alone / alone_seconds:.3f} without, "
-          f"{1e6 * core * seconds / max(count, 1):.0f} us for each message")
+            used, seconds, client = play(arguments, path, names, broker)
+    print(f"{arguments.vehicles} vehicles, {arguments.seconds:g} s at speed {arguments.speed}: {client.messages} states of "
+          f"{client.bytes / client.messages:.0f} bytes each in {seconds:.0f} s; the run took {used:.2f} s of processor time with the broker and "
+          f"{alone:.2f} s without, {1e6 * (used - alone) / client.messages:.0f} us for each message")
     print(f"{len(client.latencies)} of {client.number} actions shown by a state")
     for name, values in (("latency", client.latencies), ("echo", client.echoes)):
         print(f"{name:8} " + ", ".join(f"{label} {share(values, part):.1f} ms"
