@@ -200,6 +200,15 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
   return topics;
 }
 
+namespace {
+
+// A URDF or SDF file has one name space of joints, whatever carries them here.
+std::string JointNameInFile(const RobotDescription& robot, const std::string& name) {
+  return robot.frames.empty() ? name : name.substr(name.rfind('.') + 1);
+}
+
+}  // namespace
+
 // Joints come after the sensors, whose frames are the more common names.
 std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot) {
   UniqueNames names;
@@ -225,7 +234,7 @@ std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot
   std::vector<JointName> joints;
   for (std::size_t i = 0; i < world.joints.size(); ++i) {
     if (world.joints[i].robot != robot) continue;
-    const std::string name = names.Reserve(RosName(world.joints[i].name));
+    const std::string name = names.Reserve(RosName(JointNameInFile(world.robot(robot), world.joints[i].name)));
     joints.push_back({JointId(i), name, frames.Reserve(name + "_link")});
   }
   return joints;

@@ -168,6 +168,92 @@ TEST_F(UrdfRobots, PrismaticJointsAreActuatorsThatCarryTheirLinks) {
   EXPECT_NEAR(robot.frames[2].X_MF.x, 0.2, 1e-9);
 }
 
+// A mast that carries a palm with two fingers.
+std::string Picker(const std::string& left, const std::string& right) {
+  return "<robot name=\"picker\">" + UrdfLink("base", "<box size=\"0.4 0.3 0.1\"/>", "0 0 0.05") +
+         UrdfLink("palm", "<box size=\"0.04 0.3 0.1\"/>") +
+         UrdfJoint("mast", "prismatic", "base", "palm", "0.22 0 0.06",
+                   "<axis xyz=\"0 0 1\"/><limit lower=\"0\" upper=\"0.6\" velocity=\"0.3\"/>") +
+         UrdfLink("a", "<box size=\"0.2 0.02 0.08\"/>", "0.12 0.01 0") +
+         UrdfLink("b", "<box size=\"0.2 0.02 0.08\"/>", "0.12 -0.01 0") +
+         UrdfJoint("a_joint", "prismatic", "palm", "a", "0 0 0", left) +
+         UrdfJoint("b_joint", "prismatic", "palm", "b", "0 0 0", right) + "</robot>";
+}
+
+constexpr const char* kFingerTravel = "<limit lower=\"0\" upper=\"0.1\" velocity=\"0.05\"/>";
+
+// Files count fingers either way; those of Troupe close upwards, and start where the file's position is 0.
+TEST_F(UrdfRobots, OpposedPrismaticJointsAreAGripperWithItsLift) {
+  const std::string apart = kFingerTravel;
+  const std::string together = "<limit lower=\"-0.1\" upper=\"0\" velocity=\"0.05\"/>";
+  const struct {
+    std::string left, right;
+  } ways[] = {
+      {"<axis xyz=\"0 1 0\"/>" + apart, "<axis xyz=\"0 -1 0\"/>" + apart},
+      {"<axis xyz=\"0 -1 0\"/>" + together, "<axis xyz=\"0 1 0\"/>" + together},
+      {"<axis xyz=\"0 1 0\"/>" + apart, "<axis xyz=\"0 1 0\"/>" + together},
+      {"<axis xyz=\"0 1 0\"/>" + apart, "<axis xyz=\"0 -1 0\"/>" + apart + "<mimic joint=\"a_joint\"/>"},
+      {"<axis xyz=\"0 1 0\"/>" + apart,
+       "<axis xyz=\"0 1 0\"/><limit velocity=\"0.05\"/><mimic joint=\"a_joint\" multiplier=\"-1\"/>"},
+  };
+  for (const auto& way : ways) {
+    const WorldDescription world = Load(Picker(way.left, way.right)).world;
+    ASSERT_THAT(world.grippers, SizeIs(1)) << way.left << way.right;
+    const GripperDescription& gripper = world.grippers[0];
+    EXPECT_EQ(gripper.name, "mast.gripper");
+    ASSERT_TRUE(gripper.lift);
+    EXPECT_EQ(world.joint(*gripper.lift).name, "mast");
+    const JointDescription& left = world.joint(gripper.left);
+    const JointDescription& right = world.joint(gripper.right);
+    EXPECT_EQ(left.name, "mast.gripper.a_joint");
+    EXPECT_EQ(right.name, "mast.gripper.b_joint");
+    EXPECT_NEAR(left.axis_xy.y(), -1.0, 1e-12);  // it closes to the right
+    EXPECT_NEAR(right.axis_xy.y(), 1.0, 1e-12);
+    for (const JointDescription* const finger : {&left, &right}) {
+      EXPECT_NEAR(finger->position.max - finger->position.min, 0.1, 1e-12);
+      EXPECT_NEAR(finger->start, finger->position.max, 1e-12);  // closed, as at 0 in the file
+      EXPECT_EQ(finger->max_speed, 0.05);
+    }
+    const RobotDescription& robot = world.robots[0];
+    EXPECT_EQ(robot.frames.back().name, "b");
+    EXPECT_EQ(robot.frames.back().model, right.model);
+  }
+}
+
+TEST_F(UrdfRobots, JointsThatDoNotFaceEachOtherAreNoGripper) {
+  const std::string apart = kFingerTravel;
+  // In one direction, each with its own body behind the other's height; and across each other.
+  EXPECT_THAT(Load(Picker("<axis xyz=\"0 1 0\"/>" + apart, "<axis xyz=\"1 0 0\"/>" + apart)).world.grippers, IsEmpty());
+  EXPECT_THAT(Load(Picker("<axis xyz=\"0 0 1\"/>" + apart, "<axis xyz=\"0 0 -1\"/>" + apart)).world.grippers,
+              IsEmpty());
+  const WorldDescription world =
+      Load("<robot name=\"r\">" + UrdfLink("base", "<box size=\"0.4 0.3 0.1\"/>", "0 0 0.05") +
+           UrdfLink("low", "<box size=\"0.2 0.1 0.04\"/>", "0 0.1 0.1") +
+           UrdfLink("high", "<box size=\"0.2 0.1 0.04\"/>", "0 -0.1 0.3") +
+           UrdfJoint("l", "prismatic", "base", "low", "0 0 0", "<axis xyz=\"0 1 0\"/>" + apart) +
+           UrdfJoint("h", "prismatic", "base", "high", "0 0 0", "<axis xyz=\"0 -1 0\"/>" + apart) + "</robot>")
+          .world;
+  EXPECT_THAT(world.grippers, IsEmpty());
+  EXPECT_THAT(world.joints, SizeIs(2));
+}
+
+TEST_F(UrdfRobots, TheirGripperCarriesABoxOntoAShelf) {
+  Simulation simulation =
+      Simulation::Load(std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/gazebo/picking.json").value();
+  simulation.Step(900);
+  const WorldDescription& world = simulation.world();
+  const WorldState& state = simulation.state();
+  std::size_t boxes = 0;
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    if (world.model(world.objects[i]).name != "box") continue;
+    ++boxes;
+    EXPECT_NEAR(state.objects[i].X_WO.z, 0.45, 1e-9);
+    EXPECT_NEAR(state.objects[i].X_WO.x, 2.85, 0.01);
+    EXPECT_NEAR(state.objects[i].X_WO.y, 0.0, 0.01);
+  }
+  EXPECT_EQ(boxes, 1U);
+}
+
 struct BadUrdf {
   std::string text;
   std::string message;

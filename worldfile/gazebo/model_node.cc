@@ -8,6 +8,7 @@
 
 #include "common/geometry/limits.h"
 #include "worldfile/gazebo/drive_guess.h"
+#include "worldfile/gazebo/gripper_guess.h"
 #include "worldfile/gazebo/sensor_nodes.h"
 #include "worldfile/sites/node_maker.h"
 
@@ -19,15 +20,18 @@ constexpr double kLeastTravel = 0.01;    // m, of a joint that becomes an actuat
 constexpr double kOnFloor = 5e-3;        // m: a robot that is this near to the floor stands on it
 constexpr double kSettling = 0.5;        // m, from which a robot of Gazebo drops at the start
 constexpr double kUsualLiftSpeed = 0.1;  // m/s
+constexpr double kUpwards = 0.99;        // of the vertical part of a lift's axis
 
 // A model that carries links: the root, or an actuator. Frame B: its own, upright.
 struct Carrier {
-  const JointPart* joint = nullptr;  // null: the root
-  std::size_t parent = 0;            // carrier
-  Transform3 T_MB;
-  std::vector<Block> blocks;
+  const JointPart* joint = nullptr;       // null: the root
+  std::size_t parent = 0;                 // carrier
+  const GripperGuess* gripper = nullptr;  // of which it is a finger
+  const FingerGuess* finger = nullptr;
+  Transform3 T_MB = {};
+  std::vector<Block> blocks = {};
   Rectangle area = Rectangle::Nothing();
-  ZRange z;
+  ZRange z = {};
 };
 
 bool IsUprightTransform(const Transform3& T) {
@@ -45,9 +49,12 @@ class NodeBuilder {
     // The root's frame is upright, below the origin of M; a tilt is in the blocks.
     const Vec3& p = model_.T_PM.translation();
     const Transform3 T_PB = Transform3::FromRpy(p, 0, 0, model_.T_PM.yaw());
-    carriers_.push_back({nullptr, 0, model_.T_PM.Inverse() * T_PB, {}, Rectangle::Nothing(), {}});
+    carriers_.push_back({.T_MB = model_.T_PM.Inverse() * T_PB});
     if (is_robot_) Settle();
+    // What nothing touches grips nothing.
+    if (is_robot_ && has_collisions_) grippers_ = GuessGrippers(model_);
     FindCarriers();
+    FindFingers();
     for (const LinkPart& link : model_.links) AddBody(link);
     if (diagnostics_.failed()) return std::nullopt;
     WarnOfErrors();
@@ -104,7 +111,7 @@ class NodeBuilder {
     }
   }
 
-  // The prismatic joints of a robot, and the links that they carry.
+  // The joints of a robot that move, and the links that they carry.
   void FindCarriers() {
     std::map<std::string, const JointPart*> above;  // by child
     for (const JointPart& joint : model_.joints) above.emplace(joint.child, &joint);
@@ -124,7 +131,7 @@ class NodeBuilder {
           // Upright, at the joint, with the heading of the root.
           const Transform3 T_BJ = carriers_[0].T_MB.Inverse() * (*joint)->T_MJ;
           const Transform3 at = Transform3::FromRpy(T_BJ.translation(), 0, 0, 0);
-          carriers_.push_back({*joint, carrier, carriers_[0].T_MB * at, {}, Rectangle::Nothing(), {}});
+          carriers_.push_back({.joint = *joint, .parent = carrier, .T_MB = carriers_[0].T_MB * at});
         }
         carrier = entry->second;
       }
@@ -134,8 +141,44 @@ class NodeBuilder {
   }
 
   bool IsActuator(const JointPart& joint) const {
-    return is_robot_ && joint.type == "prismatic" && !joint.is_mimic && joint.upper - joint.lower >= kLeastTravel &&
-           joint.upper - joint.lower < 100.0;
+    const auto number = static_cast<std::size_t>(&joint - model_.joints.data());
+    const bool is_finger = std::any_of(grippers_.begin(), grippers_.end(), [number](const GripperGuess& gripper) {
+      return gripper.left.joint == number || gripper.right.joint == number;
+    });
+    return is_finger || (is_robot_ && joint.type == "prismatic" && joint.mimic.empty() &&
+                         joint.upper - joint.lower >= kLeastTravel && joint.upper - joint.lower < 100.0);
+  }
+
+  // The carriers of fingers. A gripper is mounted on one carrier.
+  void FindFingers() {
+    const auto carrier_of = [this](const FingerGuess& finger) {
+      return std::find_if(carriers_.begin(), carriers_.end(),
+                          [&](const Carrier& carrier) { return carrier.joint == &model_.joints[finger.joint]; });
+    };
+    for (const GripperGuess& gripper : grippers_) {
+      const auto left = carrier_of(gripper.left);
+      const auto right = carrier_of(gripper.right);
+      if (left == carriers_.end() || right == carriers_.end() || left->parent != right->parent) continue;
+      left->gripper = right->gripper = &gripper;
+      left->finger = &gripper.left;
+      right->finger = &gripper.right;
+    }
+  }
+
+  // "gripper"; of several the links that carry them.
+  std::string GripperName(const GripperGuess& gripper) const {
+    std::string name = grippers_.size() == 1 ? "gripper" : model_.joints[gripper.left.joint].parent;
+    const auto is_joint = [&](const JointPart& joint) { return joint.name == name; };
+    while (std::any_of(model_.joints.begin(), model_.joints.end(), is_joint)) name += "_gripper";
+    return name;
+  }
+
+  // The nearest carrier, from this one down to the root, that moves up.
+  std::optional<std::size_t> LiftBelow(std::size_t index) const {
+    for (; index != 0; index = carriers_[index].parent) {
+      if (carriers_[index].joint->axis.z > kUpwards) return index;
+    }
+    return std::nullopt;
   }
 
   void AddBody(const LinkPart& link) {
@@ -241,27 +284,61 @@ class NodeBuilder {
   void AddActuators(std::size_t parent, NodeMaker& maker) {
     for (std::size_t i = 1; i < carriers_.size(); ++i) {
       if (carriers_[i].parent != parent) continue;
-      const JointPart& joint = *carriers_[i].joint;
-      const Transform3 T_BC = carriers_[parent].T_MB.Inverse() * carriers_[i].T_MB;
-      const Vec3 axis = carriers_[i].T_MB.Inverse().Rotate(joint.axis);
-      NodeMaker actuator = MakerOf(i, "actuator");
-      actuator.Text("name", joint.name).Text("type", "linear").At(T_BC.ToPose());
-      actuator.Numbers("axis", {axis.x, axis.y, axis.z});
-      actuator.Number("min_position", joint.lower).Number("max_position", joint.upper);
-      actuator.Number("start_position", std::clamp(0.0, joint.lower, joint.upper));
-      actuator.Number("max_speed", joint.velocity > 0.0 ? joint.velocity : kUsualLiftSpeed);
-      AddSensors(i, actuator);
-      AddActuators(i, actuator);
-      actuator.node.draft = std::make_shared<const PartDraft>(std::move(*drafts_[i]));
-      maker.Child(std::move(actuator.node));
+      const GripperGuess* const gripper = carriers_[i].gripper;
+      if (gripper == nullptr) {
+        maker.Child(ActuatorNode(i));
+      } else if (carriers_[i].finger == &gripper->left) {
+        maker.Child(GripperNode(parent, *gripper));
+      }
     }
+  }
+
+  // A frame of its own at that of the carrier, with the fingers on it.
+  WorldNode GripperNode(std::size_t parent, const GripperGuess& gripper) {
+    const JointPart& left = model_.joints[gripper.left.joint];
+    const JointPart& right = model_.joints[gripper.right.joint];
+    NodeMaker maker("gripper", left.where);
+    maker.Text("name", GripperName(gripper)).Number("stack_children", 0).Number("noblocks", 1).At({});
+    maker.Text("left_finger", left.name).Text("right_finger", right.name);
+    if (const std::optional<std::size_t> lift = LiftBelow(parent)) maker.Text("lift", PartName(*lift));
+    for (std::size_t i = 1; i < carriers_.size(); ++i) {
+      if (carriers_[i].gripper == &gripper) maker.Child(ActuatorNode(i));
+    }
+    return std::move(maker.node);
+  }
+
+  WorldNode ActuatorNode(std::size_t index) {
+    const Carrier& carrier = carriers_[index];
+    const JointPart& joint = *carrier.joint;
+    const Transform3 T_BC = carriers_[carrier.parent].T_MB.Inverse() * carrier.T_MB;
+    Vec3 axis = carrier.T_MB.Inverse().Rotate(joint.axis);
+    Interval position{joint.lower, joint.upper};
+    if (carrier.finger != nullptr) {
+      position = carrier.finger->position;
+      // Fingers of Troupe close upwards.
+      if (carrier.finger->closes_downwards) {
+        axis = axis * -1.0;
+        position = {-position.max, -position.min};
+      }
+    }
+    NodeMaker maker = MakerOf(index, "actuator");
+    maker.Text("name", joint.name).Text("type", "linear").At(T_BC.ToPose());
+    maker.Numbers("axis", {axis.x, axis.y, axis.z});
+    maker.Number("min_position", position.min).Number("max_position", position.max);
+    maker.Number("start_position", std::clamp(0.0, position.min, position.max));
+    maker.Number("max_speed", joint.velocity > 0.0 ? joint.velocity : kUsualLiftSpeed);
+    AddSensors(index, maker);
+    AddActuators(index, maker);
+    maker.node.draft = std::make_shared<const PartDraft>(std::move(*drafts_[index]));
+    return std::move(maker.node);
   }
 
   // The name of a carrier's model below the robot's.
   std::string PartName(std::size_t index) const {
     if (index == 0) return "";
     const std::string above = PartName(carriers_[index].parent);
-    return (above.empty() ? "" : above + ".") + carriers_[index].joint->name;
+    const std::string mount = carriers_[index].gripper != nullptr ? GripperName(*carriers_[index].gripper) + "." : "";
+    return (above.empty() ? "" : above + ".") + mount + carriers_[index].joint->name;
   }
 
   // The base first: the root link if it is on the floor, else base_footprint, or a frame of the file there.
@@ -290,6 +367,7 @@ class NodeBuilder {
   Diagnostics& diagnostics_;
   bool has_collisions_ = false;
   double lowest_ = 0.0;  // m, of the collisions above the origin of M
+  std::vector<GripperGuess> grippers_;
   std::vector<Carrier> carriers_;
   std::map<std::string, std::size_t> carrier_of_;   // by link
   std::vector<std::unique_ptr<BodyDraft>> drafts_;  // by carrier

@@ -2,8 +2,9 @@
 //
 // A model with `static` stands; one with a drive plugin, and every URDF, is a robot; others are objects, which may be
 // gripped and fall. Its collisions are its body; without any, its visuals are, seen by sensors and hit by nothing, as
-// in Gazebo. Joints are frozen at 0, but for prismatic ones of a robot, which become actuators. A robot stands on its
-// lowest collision: its origin is on the floor below the origin of its root link.
+// in Gazebo. Joints are frozen at 0, but for prismatic ones of a robot, which become actuators, or the fingers of a
+// gripper (gripper_guess.h). A robot stands on its lowest collision: its origin is on the floor below the origin of its
+// root link.
 #pragma once
 
 #include <optional>

@@ -53,7 +53,9 @@ struct JointPart {
   double lower = 0.0;  // rad or m
   double upper = 0.0;
   double velocity = 0.0;  // rad/s or m/s; 0: not given
-  bool is_mimic = false;
+  std::string mimic;      // the joint that it follows: position = multiplier x its position + offset; empty: none
+  double mimic_multiplier = 1.0;
+  double mimic_offset = 0.0;
   SourceLocation where;
 };
 

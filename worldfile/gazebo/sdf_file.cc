@@ -389,6 +389,7 @@ class SdfReader {
       joint.name = prefix + joint.name;
       joint.parent = prefix + joint.parent;
       joint.child = prefix + joint.child;
+      if (!joint.mimic.empty()) joint.mimic = prefix + joint.mimic;
       joint.T_MJ = T * joint.T_MJ;
       joint.axis = T.Rotate(joint.axis);
       model.joints.push_back(std::move(joint));
@@ -481,7 +482,11 @@ class SdfReader {
           joint.lower = -kMaxMagnitude;
           joint.upper = kMaxMagnitude;
         }
-        joint.is_mimic = axis->Find("mimic") != nullptr;
+        if (const XmlElement* const mimic = axis->Find("mimic")) {
+          joint.mimic = XmlValues::Attribute(*mimic, "joint");
+          joint.mimic_multiplier = values.Number(*mimic, "multiplier", 1.0);
+          joint.mimic_offset = values.Number(*mimic, "offset", 0.0);
+        }
       }
       if (joint.type == "revolute" && joint.upper - joint.lower > 1e3) joint.type = "continuous";
       model.joints.push_back(std::move(joint));

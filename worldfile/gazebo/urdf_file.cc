@@ -120,7 +120,12 @@ class UrdfReader {
       joint.upper = values_.AttributeNumbers(*limit, "upper", {0}).front();
       joint.velocity = std::max(0.0, values_.AttributeNumbers(*limit, "velocity", {0}).front());
     }
-    joint.is_mimic = element.Find("mimic") != nullptr;
+    if (const XmlElement* const mimic = element.Find("mimic")) {
+      joint.mimic = XmlValues::Attribute(*mimic, "joint");
+      joint.mimic_multiplier = values_.AttributeNumbers(*mimic, "multiplier", {1}).front();
+      joint.mimic_offset = values_.AttributeNumbers(*mimic, "offset", {0}).front();
+      if (joint.mimic.empty()) values_.Fail(*mimic, "found a 'mimic' without a 'joint', expected the name of a joint");
+    }
     model_.joints.push_back(std::move(joint));
   }
 
