@@ -128,7 +128,10 @@ TEST_F(GazeboWorlds, IncludesAreFoundBesideTheWorldAndOnThePath) {
   folder_.Write("elsewhere/chair/model.sdf",
                 "<sdf version=\"1.5\">" + SdfModelText("chair", "0 0 0 0 0 0", SdfBox("0.4 0.4 1")) + "</sdf>");
   const std::string content =
-      "<include><uri>model://sun</uri></include><include><uri>model://table</uri><pose>1 0 0.5 0 0 0</pose></include>"
+      "<include><uri>model://sun</uri></include>"
+      "<include><uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane</uri></include>"
+      "<include><uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Sun/2</uri></include><include><uri>model://"
+      "table</uri><pose>1 0 0.5 0 0 0</pose></include>"
       "<include><uri>model://table</uri><name>second</name><pose>5 0 0.5 0 0 0</pose></include>"
       "<include><uri>model://chair</uri></include><include><uri>model://chair</uri></include>";
   EXPECT_THAT(ErrorOf(content), AllOf(HasSubstr("found no file for 'model://chair' in"), HasSubstr("--model-path")));

@@ -130,6 +130,19 @@ std::optional<Color> ReadMaterial(const XmlElement& visual, const XmlValues& val
   return std::nullopt;
 }
 
+// Both are in nearly every world, and are neither bodies nor always on the disk: those of Gazebo classic and of Fuel,
+// perhaps with a version.
+bool IsSunOrGround(std::string_view uri) {
+  std::string text = Lower(std::string(uri));
+  if (text == "model://sun" || text == "model://ground_plane") return true;
+  if (!text.starts_with("https://")) return false;
+  if (const std::size_t slash = text.find_last_not_of("0123456789"); slash != std::string::npos && text[slash] == '/') {
+    text.resize(slash);
+  }
+  return text.ends_with("/models/sun") || text.ends_with("/models/ground plane") ||
+         text.ends_with("/models/ground%20plane");
+}
+
 class SdfReader {
  public:
   SdfReader(ModelFiles& files, Diagnostics& diagnostics) : files_(files), diagnostics_(diagnostics) {}
@@ -259,8 +272,7 @@ class SdfReader {
     const SourceLocation where = uri != nullptr ? XmlTextPlace(*uri, path) : values.At(include);
     std::string text = XmlValues::Text(include, "uri");
     while (text.ends_with('/')) text.pop_back();
-    // Both are in every world, and are neither bodies nor always on the disk.
-    if (text == "model://sun" || text == "model://ground_plane") return std::nullopt;
+    if (IsSunOrGround(text)) return std::nullopt;
     if (open_.size() > kMaxOpenIncludes) {
       diagnostics_.Fail(
           where, "found more than " + std::to_string(kMaxOpenIncludes) + " includes inside each other, expected fewer");
