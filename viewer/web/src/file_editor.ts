@@ -96,7 +96,7 @@ export class FileEditor {
       },
     }, viewOnly);
     this.waypoints = new WaypointDrawing(scene);
-    this.plan = new PlanImport(this.client, name => {
+    this.plan = new PlanImport(scene, this.client, name => {
       toast(`${name} has the walls of the plan`);
       void this.refresh().then(() => this.scene.home());
     });

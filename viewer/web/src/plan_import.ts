@@ -1,10 +1,12 @@
 // PlanImport: a picture of a floor plan becomes the walls of the world. Two points of the picture and their distance
-// give its scale; what is darker than a threshold is a wall.
+// give its scale; what is darker than a threshold is a wall, or the picture lies below the world for walls to be traced.
 //
 // The browser decodes the picture, so that every format it reads is accepted and the gateway parses none. The request
 // has runs of pixels, free and occupied alternating, which for plans are a small part of the image.
 import {byId, setText, toast} from './dom';
 import type {FileClient} from './file_client';
+import {PlanUnderlay} from './plan_underlay';
+import type {WorldScene} from './scene';
 import {color} from './sheet';
 
 const MOST_PIXELS = 4_000_000;  // of the image; a larger picture is made smaller
@@ -18,6 +20,7 @@ export class PlanImport {
   private points: Place[] = [];
   private dragged = -1;  // index of the point
   private name = 'plan.png';
+  private underlay: PlanUnderlay | null = null;
   private readonly box = byId('plan-import');
   private readonly canvas = byId<HTMLCanvasElement>('plan-canvas');
   private readonly distance = byId<HTMLInputElement>('plan-distance');
@@ -25,7 +28,8 @@ export class PlanImport {
   private readonly height = byId<HTMLInputElement>('plan-height');
   private readonly file = byId<HTMLInputElement>('plan-file');
 
-  constructor(private readonly client: FileClient, private readonly changed: (name: string) => void) {
+  constructor(
+      private readonly scene: WorldScene, private readonly client: FileClient, private readonly changed: (name: string) => void) {
     this.file.onchange = () => {
       const [file] = this.file.files ?? [];
       this.file.value = '';
@@ -33,6 +37,8 @@ export class PlanImport {
     };
     byId('plan-close').onclick = () => (this.box.hidden = true);
     byId('plan-apply').onclick = () => void this.apply();
+    byId('plan-below').onclick = () => this.layBelow();
+    byId('plan-away').onclick = () => this.takeAway();
     for (const input of [this.distance, this.threshold]) input.oninput = () => this.draw();
     this.canvas.onpointerdown = event => {
       const at = this.placeOf(event);
@@ -142,7 +148,24 @@ export class PlanImport {
     const size = this.pixel();
     setText(byId('plan-size'), size === 0 ? 'Click two points whose distance you know, then type it.'
       : `The plan is ${(width * size).toFixed(2)} × ${(height * size).toFixed(2)} m, a pixel ${(size * 100).toFixed(1)} cm.`);
-    byId<HTMLButtonElement>('plan-apply').disabled = size === 0;
+    for (const id of ['plan-apply', 'plan-below']) byId<HTMLButtonElement>(id).disabled = size === 0;
+    byId<HTMLButtonElement>('plan-away').hidden = !this.underlay;
+  }
+
+  private layBelow(): void {
+    const pixel = this.pixel();
+    if (!this.picture || pixel === 0) return;
+    const {width, height, grey} = this.picture;
+    this.takeAway();
+    this.underlay = new PlanUnderlay(this.scene, width, height, grey, pixel);
+    this.box.hidden = true;
+    toast('Draw walls over the plan: its middle is at the origin');
+  }
+
+  private takeAway(): void {
+    this.underlay?.dispose();
+    this.underlay = null;
+    this.draw();
   }
 
   // Alternating runs of free and wall pixels, from the top.
