@@ -237,6 +237,18 @@ TEST_F(UrdfRobots, JointsThatDoNotFaceEachOtherAreNoGripper) {
   EXPECT_THAT(world.joints, SizeIs(2));
 }
 
+// Exporters write no limit as a large one.
+TEST_F(UrdfRobots, MayHaveLimitsThatAreNone) {
+  const WorldDescription world =
+      Load("<robot name=\"r\">" + UrdfLink("base", "<box size=\"0.4 0.3 0.1\"/>", "0 0 0.05") + "<link name=\"arm\"/>" +
+           UrdfJoint("j", "revolute", "base", "arm", "0 0 0.1",
+                     "<limit lower=\"-1e+16\" upper=\"1e+16\" velocity=\"1e16\"/>") +
+           "</robot>")
+          .world;
+  EXPECT_THAT(world.joints, IsEmpty());
+  EXPECT_EQ(world.robots[0].frames.back().name, "arm");
+}
+
 TEST_F(UrdfRobots, TheirGripperCarriesABoxOntoAShelf) {
   Simulation simulation =
       Simulation::Load(std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/gazebo/picking.json").value();

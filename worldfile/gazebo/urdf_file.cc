@@ -116,9 +116,9 @@ class UrdfReader {
     }
     joint.axis = {axis[0], axis[1], axis[2]};
     if (const XmlElement* const limit = element.Find("limit")) {
-      joint.lower = values_.AttributeNumbers(*limit, "lower", {0}).front();
-      joint.upper = values_.AttributeNumbers(*limit, "upper", {0}).front();
-      joint.velocity = std::max(0.0, values_.AttributeNumbers(*limit, "velocity", {0}).front());
+      joint.lower = values_.AttributeNumber(*limit, "lower", 0.0);
+      joint.upper = values_.AttributeNumber(*limit, "upper", 0.0);
+      joint.velocity = std::max(0.0, values_.AttributeNumber(*limit, "velocity", 0.0));
     }
     if (const XmlElement* const mimic = element.Find("mimic")) {
       joint.mimic = XmlValues::Attribute(*mimic, "joint");

@@ -149,4 +149,12 @@ Transform3 XmlValues::Origin(const XmlElement& parent) const {
   return Transform3::FromRpy({xyz[0], xyz[1], xyz[2]}, rpy[0], rpy[1], rpy[2]);
 }
 
+double XmlValues::AttributeNumber(const XmlElement& element, std::string_view name, double otherwise) const {
+  const std::string* const text = element.FindAttribute(name);
+  const std::vector<std::string_view> words = text != nullptr ? WordsOf(*text) : std::vector<std::string_view>();
+  const double number = words.size() == 1 ? WordNumber(words.front()) : std::numeric_limits<double>::quiet_NaN();
+  if (!std::isnan(number)) return std::clamp(number, -kMaxMagnitude, kMaxMagnitude);
+  return AttributeNumbers(element, name, {otherwise}).front();
+}
+
 }  // namespace troupe

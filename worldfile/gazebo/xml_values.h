@@ -48,6 +48,8 @@ class XmlValues {
   // The numbers of an attribute; `otherwise` without it.
   std::vector<double> AttributeNumbers(const XmlElement& element, std::string_view name,
                                        const std::vector<double>& otherwise) const;
+  // The number of an attribute, cut to kMaxMagnitude as that of a child: URDF has such limits of joints, too.
+  double AttributeNumber(const XmlElement& element, std::string_view name, double otherwise) const;
 
  private:
   std::string file_;
