@@ -23,6 +23,9 @@ void Building(Bytes bytes);    // a building of Open-RMF
 void Layout(Bytes bytes);      // a layout in LIF
 void RouteGraph(Bytes bytes);  // a graph of Nav2's route server
 void FloorPlan(Bytes bytes);   // a drawing: SVG if it begins with "<", else DXF
+void Gazebo(Bytes bytes);      // SDF; URDF or xacro if it has a "<robot"
+void Mesh(Bytes bytes);        // COLLADA if it begins with "<", OBJ if with "v", "o" or "#", else STL
+void ZoneMask(Bytes bytes);    // a mask of Nav2, and behind a zero byte its image
 void Recording(Bytes bytes);   // a recorded run: behind a zero byte a file, behind another one its messages
 
 // The language of expectations: a text, as an expectation, or behind a space as a metric.

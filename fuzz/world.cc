@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "fuzz/checks.h"
 #include "fuzz/targets.h"
 #include "worldfile/models/build_world.h"
 #include "worldfile/plans/floor_plan.h"
@@ -25,22 +26,6 @@ const std::map<std::string, std::string>& MemoryFiles() {
       {"d.inc", "model(\n"},
   };
   return *files;
-}
-
-// Every message to a user has a text, of one line, and a place.
-void CheckMessage(const SourceLocation& where, const std::string& message) {
-  Check(!message.empty() && !where.file.empty() && where.line >= 1 && where.column >= 1);
-  Check(message.find('\n') == std::string::npos);
-}
-
-// A tree becomes a valid world, or an error.
-void CheckBuilt(const WorldTree& tree) {
-  BuildOptions build;
-  build.without_bitmaps = true;
-  const Result<LoadedWorld> loaded = BuildWorld(tree, {}, build);
-  if (!loaded.ok()) return CheckMessage(loaded.error().where, loaded.error().message);
-  for (const Warning& warning : loaded.value().warnings) CheckMessage(warning.where, warning.message);
-  Check(Validate(loaded.value().world).ok());  // a loaded world is valid
 }
 
 // Feeds any bytes to the reader of scenarios. The world that they may name is a small one in memory; no file is read.
@@ -68,6 +53,28 @@ ScenarioTools MakeTools() {
 }
 
 }  // namespace
+
+void CheckError(const Error& error) {
+  Check(!error.message.empty() && !error.where.file.empty());
+  Check(error.message.find('\n') == std::string::npos);
+}
+
+void CheckMessage(const SourceLocation& where, const std::string& message) {
+  CheckError({where, message});
+  Check(where.line >= 1 && where.column >= 1);
+}
+
+void CheckBuilt(const WorldTree& tree, bool has_places) {
+  const auto check = [has_places](const SourceLocation& where, const std::string& message) {
+    has_places ? CheckMessage(where, message) : CheckError({where, message});
+  };
+  BuildOptions build;
+  build.without_bitmaps = true;
+  const Result<LoadedWorld> loaded = BuildWorld(tree, {}, build);
+  if (!loaded.ok()) return check(loaded.error().where, loaded.error().message);
+  for (const Warning& warning : loaded.value().warnings) check(warning.where, warning.message);
+  Check(Validate(loaded.value().world).ok());  // a loaded world is valid
+}
 
 void World(Bytes bytes) {
   ParseOptions parse;

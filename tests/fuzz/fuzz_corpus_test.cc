@@ -28,6 +28,7 @@ constexpr Target kTargets[] = {
     {"expectation", Expectation},
     {"frame", Frame},
     {"frame_request", FrameRequest},
+    {"gazebo", Gazebo},
     {"history", History},
     {"host_message", HostMessage},
     {"image", Image},
@@ -36,6 +37,7 @@ constexpr Target kTargets[] = {
     {"layout", Layout},
     {"route_graph", RouteGraph},
     {"map_yaml", MapYaml},
+    {"mesh", Mesh},
     {"page_request", PageRequest},
     {"proposal", Proposal},
     {"recording", Recording},
@@ -47,6 +49,7 @@ constexpr Target kTargets[] = {
     {"status", Status},
     {"test_file", TestFile},
     {"world", World},
+    {"zone_mask", ZoneMask},
 };
 
 std::filesystem::path CorpusFolder() {

@@ -38,6 +38,11 @@ bool IsUprightTransform(const Transform3& T) {
   return IsVertical(T.z_axis()) && T.z_axis().z > 0.0;
 }
 
+bool IsNear(const Block& block) {
+  const Rectangle box = BoundingBox(block.outline);
+  return std::max({-box.min_x, -box.min_y, box.max_x, box.max_y, -block.z.min, block.z.max}) <= kMaxMagnitude;
+}
+
 class NodeBuilder {
  public:
   NodeBuilder(const RigidModel& model, bool is_robot, Diagnostics& diagnostics)
@@ -202,6 +207,9 @@ class NodeBuilder {
       if (blocks.is_hollow && hollow_ == nullptr) hollow_ = &part;
       block_count_ += blocks.blocks.size();
       for (Block& block : blocks.blocks) {
+        if (!IsNear(block)) {
+          return diagnostics_.Fail(part.where, "found a body that reaches beyond 1000 km, expected a smaller one");
+        }
         carrier.area.Extend(BoundingBox(block.outline));
         const bool is_first = carrier.blocks.empty();
         carrier.z =
