@@ -222,8 +222,8 @@ std::optional<VehicleWay> VehicleDriver::Look(const fleet::VehicleMemory& memory
   way.points.push_back({at});
   std::vector<Vec2> rest;
   path_.AddRest(along_, rest);
-  const auto trajectory_to = [&](std::size_t node) -> const fleet::Trajectory* {
-    const fleet::Edge* const edge = EdgeBefore(memory, node);
+  const auto trajectory_to = [&](std::size_t index) -> const fleet::Trajectory* {
+    const fleet::Edge* const edge = EdgeBefore(memory, index);
     return edge != nullptr && edge->trajectory ? &*edge->trajectory : nullptr;
   };
   for (const Vec2& place : rest) way.points.push_back({.place = place, .is_traced = trajectory_to(0) != nullptr});
