@@ -27,6 +27,19 @@ endfunction()
 # leave code alone in which tests spend little time.
 set(TROUPE_UNOPTIMIZED "" CACHE STRING "Folders whose libraries are compiled with -O0, as a regular expression")
 
+# troupe_library_precompiled_headers(HEADERS ...): those of troupe_library, with more.
+function(troupe_library_precompiled_headers)
+  set(headers PIC
+    HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <chrono> <filesystem> <functional> <map> <memory> <mutex>
+            <nlohmann/json.hpp> <optional> <set> <span> <string> <utility> <variant> <vector> <troupe/world_state.h> ${ARGN}
+    DEPENDS Eigen3::Eigen nlohmann_json::nlohmann_json)
+  troupe_precompiled_headers(troupe_library_headers ${headers})
+  if(TROUPE_UNOPTIMIZED AND TROUPE_PRECOMPILED_HEADERS)
+    troupe_precompiled_headers(troupe_unoptimized_headers ${headers})
+    target_compile_options(troupe_unoptimized_headers PRIVATE -O0)
+  endif()
+endfunction()
+
 # For a library or a program of this folder.
 function(troupe_compile_as_its_folder name)
   if(NOT EMSCRIPTEN)  # whose module is linked at fixed addresses

@@ -44,8 +44,7 @@ troupe_header_targets(Eigen3::Eigen nlohmann_json::nlohmann_json Threads::Thread
 add_library(valijson INTERFACE)
 add_library(fmt::fmt INTERFACE IMPORTED GLOBAL)
 target_link_libraries(fmt::fmt INTERFACE troupe_page_format)
-list(APPEND library_headers <fmt/format.h>)
-troupe_precompiled_headers(troupe_library_headers ${library_headers})
+troupe_library_precompiled_headers(<fmt/format.h>)
 
 # What Debian has for this machine only, from its source.
 set(yaml ${PROJECT_SOURCE_DIR}/build/wasm-root/yaml-cpp)
@@ -54,6 +53,7 @@ if(NOT yaml_sources)
   message(FATAL_ERROR "${yaml} is not there: run scripts/setup-wasm")
 endif()
 add_library(yaml-cpp STATIC EXCLUDE_FROM_ALL ${yaml_sources})
+target_compile_options(yaml-cpp PRIVATE -O0)  # as the readers of files: the link optimizes it a little, as all
 target_compile_definitions(yaml-cpp PUBLIC YAML_CPP_STATIC_DEFINE)
 target_include_directories(yaml-cpp SYSTEM PUBLIC ${yaml}/include)
 
