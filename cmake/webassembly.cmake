@@ -11,8 +11,6 @@ foreach(language C CXX)
   set(CMAKE_${language}_ARCHIVE_APPEND "${LLVM_AR} qs <TARGET> <OBJECTS>")
   set(CMAKE_${language}_ARCHIVE_FINISH "")
 endforeach()
-# Each compilation parses and instantiates the same headers, so a library is one.
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)
 
 # Of Debian's libraries the headers that need no library: links to them, because the folder that has them has those of
 # the host's C library, too.
@@ -53,6 +51,7 @@ if(NOT yaml_sources)
   message(FATAL_ERROR "${yaml} is not there: run scripts/setup-wasm")
 endif()
 add_library(yaml-cpp STATIC EXCLUDE_FROM_ALL ${yaml_sources})
+set_target_properties(yaml-cpp PROPERTIES UNITY_BUILD_BATCH_SIZE 0)
 target_compile_options(yaml-cpp PRIVATE -O0)  # as the readers of files: the link optimizes it a little, as all
 target_compile_definitions(yaml-cpp PUBLIC YAML_CPP_STATIC_DEFINE)
 target_include_directories(yaml-cpp SYSTEM PUBLIC ${yaml}/include)

@@ -96,7 +96,7 @@ Result<Module> ReadModule(std::string folder) {
   if (!wasm.ok() || !loader.ok() || !worker.ok()) {
     return Error{
         {folder},
-        "found no WebAssembly module, expected that of `scripts/build-module`, which takes about five minutes of "
+        "found no WebAssembly module, expected that of `scripts/build-module`, which takes five to ten minutes of "
         "processor time once, or its folder by --module"};
   }
   return Module{std::move(wasm).value(), loader.value() + "\n" + worker.value()};
