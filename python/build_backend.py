@@ -52,12 +52,12 @@ def _copyrights(libraries):
     return texts
 
 
-def _stripped(data):
-    """A shared library without the symbols that only debuggers read."""
+def _changed(data, *command):
+    """A shared library after a command that changes the file."""
     with tempfile.NamedTemporaryFile(suffix=".so") as file:
         file.write(data)
         file.flush()
-        subprocess.run(["strip", "--strip-unneeded", file.name], check=True)
+        subprocess.run([*command, file.name], check=True)
         return pathlib.Path(file.name).read_bytes()
 
 
@@ -96,11 +96,11 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
                    for path in sorted(package.rglob("*")) if path.is_file() and "__pycache__" not in path.parts}
         content[f"troupe/{library.name}"] = library.read_bytes()
         if settings.get("bundle"):
-            # The extension's search path counts for what its libraries need, too.
+            # The search path of the extension is that of libraries that have none of their own.
             needed = _needed_libraries(library)
-            content.update({f"troupe/{name}": place.read_bytes() for name, place in sorted(needed.items())})
+            content.update({f"troupe/{name}": _changed(place.read_bytes(), "patchelf", "--remove-rpath") for name, place in sorted(needed.items())})
             content.update({f"{info}/licenses/{owner}": text for owner, text in sorted(_copyrights(needed.values()).items())})
-            content.update({path: _stripped(data) for path, data in content.items() if ".so" in path})
+            content.update({path: _changed(data, "strip", "--strip-unneeded") for path, data in content.items() if ".so" in path})
     for part in ("office.world", "robotics_lab.world", "include", "bitmaps", "scenarios"):
         place = ROOT / "worlds" / part
         for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
