@@ -406,7 +406,8 @@ TEST(Lifts, HaveTheDoorsOfTheirLandingsAsChildren) {
       const DoorDescription& door = world.doors[floor];
       EXPECT_EQ(world.model(door.model).name, floor == 0 ? "e.ground_door" : "e.first_door");
       EXPECT_FALSE(door.is_operated);
-      EXPECT_NEAR(world.model(world.lifts[0].model).X_PM.z + world.model(door.model).X_PM.z, 3.0 * static_cast<double>(floor), 1e-12);
+      EXPECT_NEAR(world.model(world.lifts[0].model).X_PM.z + world.model(door.model).X_PM.z,
+                  3.0 * static_cast<double>(floor), 1e-12);
       for (const DoorLeaf& leaf : door.leaves) {
         EXPECT_NEAR(leaf.X_WH.z, 3.0 * static_cast<double>(floor), 1e-12);
         EXPECT_NEAR(leaf.X_WH.x, 4.84, 1e-9);
@@ -432,9 +433,10 @@ TEST(Lifts, HaveTheDoorsOfTheirLandingsAsChildren) {
   EXPECT_EQ(run.state().doors[2].opening, 0.0);
   EXPECT_EQ(run.state().doors[3].opening, 1.0);
   EXPECT_NEAR(run.state().robots[0].X_WR.z, 3.0, 1e-9);
-  EXPECT_EQ(ErrorOfDoors("lift ( floors [\"a\"] heights [0] floor_doors [\"a\" \"none\"] block ( points 3 point[0] [0 0] "
-                         "point[1] [1 0] point[2] [0 1] z [0 0.1] ) )"),
-            "found no door 'none', expected a 'door' for the lift");
+  EXPECT_EQ(
+      ErrorOfDoors("lift ( floors [\"a\"] heights [0] floor_doors [\"a\" \"none\"] block ( points 3 point[0] [0 0] "
+                   "point[1] [1 0] point[2] [0 1] z [0 0.1] ) )"),
+      "found no door 'none', expected a 'door' for the lift");
 }
 
 TEST(Lifts, ServeOneSessionAtATime) {
