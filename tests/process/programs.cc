@@ -97,6 +97,14 @@ Program::Program(std::vector<std::string> command)
   pipe_->CloseWritingEnd();
 }
 
+// They end by themselves; the next run of the session must not find them.
+Program::~Program() {
+  if (!process_.running()) return;
+  const std::vector<pid_t> descendants = DescendantsOf(pid());
+  process_.Kill();
+  for (const pid_t descendant : descendants) IsGoneSoon(descendant);
+}
+
 void Program::ReadMore() {
   pollfd waited{pipe_->reading_end(), POLLIN, 0};
   poll(&waited, 1, kPollMilliseconds);

@@ -49,6 +49,9 @@ bool IsGoneSoon(pid_t process);
 class Program {
  public:
   explicit Program(std::vector<std::string> command);
+  Program(Program&&) = default;
+  Program& operator=(Program&&) = default;
+  ~Program();  // kills it if it still runs, and waits for the ends of the processes that it has started
 
   pid_t pid() const { return process_.pid(); }
   void Signal(int signal) const { process_.Signal(signal); }

@@ -424,12 +424,14 @@ TEST(Lifts, HaveTheDoorsOfTheirLandingsAsChildren) {
   call.orders = {LiftOrder{.lift = 1, .floor = 0}};
   Do(run, "r", call, 40);
   EXPECT_EQ(run.state().doors[2].opening, 1.0);
-  EXPECT_EQ(run.state().doors[0].opening, 0.0);
   Do(run, "r", Motion(1.0), 20);
   ASSERT_NEAR(run.state().robots[0].X_WR.y, 0.0, 1e-9) << "in the cabin";
   call.orders = {LiftOrder{.lift = 1, .floor = 1}};
   Do(run, "r", call, 120);
   EXPECT_EQ(run.state().lifts[1].z, 3.0);
+  EXPECT_EQ(run.state().lifts[0].z, 0.0);
+  EXPECT_EQ(run.state().doors[0].opening, 1.0) << "of a lift that has stayed at its floor";
+  EXPECT_EQ(run.state().doors[1].opening, 0.0);
   EXPECT_EQ(run.state().doors[2].opening, 0.0);
   EXPECT_EQ(run.state().doors[3].opening, 1.0);
   EXPECT_NEAR(run.state().robots[0].X_WR.z, 3.0, 1e-9);
