@@ -155,7 +155,8 @@ TEST_F(Vda5050RunTest, AFleetControlDrivesAVehicle) {
   EXPECT_THAT(run.WaitForLine("300000 bytes"), HasSubstr("cart_1"));
   fleet.Send(std::string(kCart) + "instantActions", std::string(std::size_t{10} << 20, ' '));
   // The client sends the rest of so long a message while it waits.
-  ASSERT_TRUE(fleet.Await([&] { return run.HasPrinted("instantActions for cart_1 of 10485760 bytes"); })) << run.output();
+  ASSERT_TRUE(fleet.Await([&] { return run.HasPrinted("instantActions for cart_1 of 10485760 bytes"); }))
+      << run.output();
   ASSERT_TRUE(fleet.Await([&] { return fleet.HasError("INVALID_INSTANT_ACTION"); }));
 
   run.Interrupt();
