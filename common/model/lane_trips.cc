@@ -6,7 +6,7 @@ namespace troupe {
 namespace {
 
 bool IsDone(const LaneTrip& trip, const WorldState& state) {
-  const TrafficRobot* const robot = FindTrafficRobot(state, trip.robot);
+  const TrafficRobot* const robot = FindTrafficRobot(state.traffic_robots, trip.robot);
   if (robot == nullptr) return false;
   if (!trip.path.empty()) return robot->has_arrived && robot->finished + 1 == trip.path.size();
   return trip.goals.empty() || (!robot->goal && robot->at == trip.goals.back());
@@ -14,10 +14,10 @@ bool IsDone(const LaneTrip& trip, const WorldState& state) {
 
 }  // namespace
 
-const TrafficRobot* FindTrafficRobot(const WorldState& state, RobotId robot) {
-  const auto row = std::lower_bound(state.traffic_robots.begin(), state.traffic_robots.end(), robot,
-                                    [](const TrafficRobot& a, RobotId b) { return a.robot < b; });
-  return row != state.traffic_robots.end() && row->robot == robot ? &*row : nullptr;
+const TrafficRobot* FindTrafficRobot(std::span<const TrafficRobot> rows, RobotId robot) {
+  const auto row =
+      std::lower_bound(rows.begin(), rows.end(), robot, [](const TrafficRobot& a, RobotId b) { return a.robot < b; });
+  return row != rows.end() && row->robot == robot ? &*row : nullptr;
 }
 
 bool AreTripsDone(const WorldDescription& world, const WorldState& state) {

@@ -62,7 +62,7 @@ class LeagueExport final : public RunExport {
     const Tick now = world.state().tick - *first_tick_;
     ticks_ = std::max<std::size_t>(ticks_, now);
     for (Robot& robot : robots_) {
-      const TrafficRobot* const row = FindTrafficRobot(world.state(), robot.id);
+      const TrafficRobot* const row = FindTrafficRobot(world.state().traffic_robots, robot.id);
       if (row == nullptr || row->at >= cells_.size() || cells_[row->at] == robot.last) continue;
       robot.last = cells_[row->at];
       robot.arrivals.emplace_back(now, robot.last);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/model/lane_rules.h"
+#include "common/model/lane_trips.h"
 #include "common/spatial/scene.h"
 #include "common/traffic/path_execution.h"
 #include "common/traffic/traffic_plan.h"
@@ -27,7 +28,7 @@ bool HasPlaces(const WorldDescription& world, const TrafficPlan& plan) {
 bool Fits(const TrafficGraph& graph, const TrafficPlan& plan) {
   const auto has_move = [&](const TrafficMove& move) {
     return move.lane < graph.lanes() && (move.to == graph.start(move.lane) || move.to == graph.end(move.lane)) &&
-           std::ranges::binary_search(plan.robots, move.robot, {}, &TrafficRobot::robot);
+           FindTrafficRobot(plan.robots, move.robot) != nullptr;
   };
   const auto has_lane = [&](const LaneClosure& closure) { return closure.lane < graph.lanes(); };
   return std::all_of(plan.moves.begin(), plan.moves.end(), has_move) &&

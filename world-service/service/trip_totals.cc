@@ -26,7 +26,7 @@ Status TripTotals::OnTick(const CommittedTick& tick) {
   }
   now_ = state.tick;
   for (std::size_t i = 0; i < trips.size(); ++i) {
-    const TrafficRobot* const robot = FindTrafficRobot(state, trips[i].robot);
+    const TrafficRobot* const robot = FindTrafficRobot(state.traffic_robots, trips[i].robot);
     if (robot == nullptr) continue;
     const std::vector<std::uint32_t>& goals = trips[i].goals;
     Progress& progress = trips_[i];
