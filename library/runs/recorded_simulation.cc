@@ -37,7 +37,7 @@ const std::shared_ptr<const Scene>& RecordedSimulation::Impl::WithoutControllers
   // Equal maps are shared: the ray map is a large part of a scene.
   made->ShareMap([&](std::span<const std::byte> bytes) -> std::shared_ptr<const std::byte> {
     const std::span<const std::byte> shared = recorded->scene->static_index().ray_map().bytes();
-    if (!std::ranges::equal(bytes, shared)) return nullptr;
+    if (!std::equal(bytes.begin(), bytes.end(), shared.begin(), shared.end())) return nullptr;
     return {recorded->scene, shared.data()};
   });
   recorded_world = recorded;
