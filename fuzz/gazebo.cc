@@ -1,14 +1,12 @@
 // Feeds any bytes to the readers of SDF, URDF, xacro and meshes, and to that of masks of Nav2. They read files, so the
 // bytes are written into a folder of this process, which has a few files that they may name, and no other is allowed.
-#include <unistd.h>
-
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "fuzz/checks.h"
+#include "fuzz/process_folder.h"
 #include "fuzz/targets.h"
 #include "worldfile/gazebo/gazebo_tree.h"
 #include "worldfile/map/zone_mask.h"
@@ -26,26 +24,16 @@ constexpr const char* kMacros =
     "</link></xacro:macro></robot>";
 constexpr const char* kMesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no a\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-void WriteText(const std::filesystem::path& path, std::string_view text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
 const std::filesystem::path& Folder() {
-  static const struct TemporaryFolder {
-    TemporaryFolder() : path(std::filesystem::temp_directory_path() / ("troupe-gazebo-" + std::to_string(getpid()))) {
-      std::filesystem::create_directories(path);
-      WriteText(path / "model.sdf", kModel);
-      WriteText(path / "loop.sdf", kLoop);
-      WriteText(path / "macros.xacro", kMacros);
-      WriteText(path / "m.obj", kMesh);
+  static const struct FilledFolder : ProcessFolder {
+    FilledFolder() : ProcessFolder("troupe-gazebo") {
+      WriteText(path() / "model.sdf", kModel);
+      WriteText(path() / "loop.sdf", kLoop);
+      WriteText(path() / "macros.xacro", kMacros);
+      WriteText(path() / "m.obj", kMesh);
     }
-    ~TemporaryFolder() {
-      std::error_code ignored;
-      std::filesystem::remove_all(path, ignored);
-    }
-    const std::filesystem::path path;
   } folder;
-  return folder.path;
+  return folder.path();
 }
 
 // Nothing else may be read, and the program xacro is not started.

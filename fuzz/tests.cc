@@ -1,15 +1,13 @@
 // Feed any bytes to the readers of tests, of kept cases and of reports that are merged. They read files, so the bytes
 // are written into a folder of this process, in which the scenario that a test may name stands, too.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "fuzz/process_folder.h"
 #include "fuzz/targets.h"
 #include "testing/cases/kept_cases.h"
 #include "testing/cases/test_file.h"
@@ -22,23 +20,11 @@ constexpr char kScenario[] = R"({"world": "w.world", "seed": 3, "ticks": 20,
  "robots": [{"name": "r0", "model": "position", "pose": [0, 0, 0]}, {"name": "r1", "model": "position", "pose": [1, 0, 0]}],
  "spawn": [{"count": 4, "model": "position", "name_prefix": "s", "region": [0, 0, 4, 4]}]})";
 
-void WriteText(const std::filesystem::path& path, std::string_view text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
 const std::filesystem::path& Folder() {
-  static const struct TemporaryFolder {
-    TemporaryFolder() : path(std::filesystem::temp_directory_path() / ("troupe-fuzz-" + std::to_string(getpid()))) {
-      std::filesystem::create_directories(path);
-      WriteText(path / "s.json", kScenario);
-    }
-    ~TemporaryFolder() {
-      std::error_code ignored;
-      std::filesystem::remove_all(path, ignored);
-    }
-    const std::filesystem::path path;
+  static const struct FilledFolder : ProcessFolder {
+    FilledFolder() : ProcessFolder("troupe-fuzz") { WriteText(path() / "s.json", kScenario); }
   } folder;
-  return folder.path;
+  return folder.path();
 }
 
 void CheckError(const Error& error) {
