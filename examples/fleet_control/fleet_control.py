@@ -11,6 +11,7 @@ import datetime
 import json
 import random
 import signal
+import socket
 import sys
 import time
 import urllib.parse
@@ -259,6 +260,8 @@ class Connection:
         self.client.on_connect = lambda client, *_: client.subscribe([(topic, 1) for topic in topics])
         self.client.on_subscribe = lambda *_: print(f"listening at {arguments.broker}", flush=True)
         self.client.on_message = self._on_message
+        # An answer goes out at once, and does not wait for the acknowledgement of the message before it (40 ms).
+        self.client.on_socket_open = lambda _client, _data, opened: opened.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.receive, self.ask = receive, ask
         if url.scheme == "mqtts":
             self.client.tls_set(ca_certs=arguments.ca)

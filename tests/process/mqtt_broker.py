@@ -23,7 +23,7 @@ class Broker:
             raise SystemExit("error: found no mosquitto (Debian's package mosquitto)")
         self.port = port or free_port()
         self.configuration = pathlib.Path(folder) / f"mosquitto-{self.port}.conf"
-        lines = [f"listener {self.port} 127.0.0.1", "allow_anonymous true", "max_queued_messages 100000"]
+        lines = [f"listener {self.port} 127.0.0.1", "allow_anonymous true", "set_tcp_nodelay true", "max_queued_messages 100000"]
         if os.getuid() == 0:
             lines.append("user root")
         if tls:
