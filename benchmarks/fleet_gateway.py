@@ -15,6 +15,7 @@ import json
 import os
 import pathlib
 import re
+import socket
 import subprocess
 import sys
 import tempfile
@@ -55,6 +56,7 @@ class Client:
         self.sent, self.latencies, self.echoes, self.messages, self.bytes = {}, [], [], 0, 0
         self.states = set()
         self.client = mqtt.Client()
+        self.client.on_socket_open = lambda _client, _data, opened: opened.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.client.max_inflight_messages_set(1000)
         ready = threading.Event()
         self.client.on_connect = lambda client, *_: client.subscribe([("uagv/v2/Troupe/+/state", 0), ("benchmark/echo", 0)])

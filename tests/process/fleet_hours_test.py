@@ -54,6 +54,7 @@ class Progress:
 
 
 def main():
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # through the ends of its programs
     parser = argparse.ArgumentParser()
     parser.add_argument("--programs", required=True, type=pathlib.Path)
     parser.add_argument("--hours", type=float, default=0.1)
