@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "common/picture/rectangle_outline.h"
+#include "viewer/gateway/page_layout.h"
+#include "viewer/gateway/page_values.h"
 
 namespace troupe {
 namespace {

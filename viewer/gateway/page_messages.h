@@ -2,7 +2,7 @@
 //
 // Binary and little-endian, because a world of ten thousand robots at 60 updates a second is too much for JSON. The
 // values and their readers in TypeScript come from the field lists of the types (page_values.h), so both sides cannot
-// disagree; the layout has a hash (PageLayout), and a page of another layout is asked to reload.
+// disagree; the layout has a hash (page_layout.h), and a page of another layout is asked to reload.
 //
 // Numbers of poses are doubles as in the state, twists are floats: the page shows them and calculates nothing with
 // them.
@@ -12,17 +12,16 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <vector>
 
-#include "common/base/hash.h"
 #include "transport/protocol/messages.h"
 #include "troupe/world_state.h"
-#include "viewer/gateway/page_values.h"
 
 namespace troupe {
+
+class PageWriter;
 
 // The rows that the page shows. Of the others, lists that vary have no rows by id, and former velocities explain
 // nothing.
@@ -51,22 +50,6 @@ class StateRows {
 
 // The first byte of each binary message to the page.
 enum class PageMessage : std::uint8_t { kWorld = 1, kUpdate = 2 };
-
-// Version of what PageLayout does not see: the parts of messages that are no rows.
-inline constexpr std::uint32_t kPageProtocol = 10;
-
-// A hash of the layout of messages, which follows from the lists of fields; the page refuses another one.
-inline std::uint32_t PageLayout() {
-  static const std::uint64_t layout = [] {
-    Hasher hasher;
-    hasher.Add(std::uint64_t{kPageProtocol});
-    hasher.Add(std::string_view(PageValue<WorldState>::Read()));
-    hasher.Add(std::string_view(PageValue<WorldDescription>::Read()));
-    hasher.Add(std::string_view(PageValue<ReadingContent>::Read()));
-    return hasher.value();
-  }();
-  return static_cast<std::uint32_t>(layout);
-}
 
 // A dense bitmap is sent with at most this many pixels along each side; beyond that a pixel of the page stands for
 // several, and is occupied if one of them is.

@@ -7,6 +7,7 @@
 
 #include "common/spatial/robot_ways.h"
 #include "common/spatial/scene.h"
+#include "viewer/gateway/page_values.h"
 
 namespace troupe {
 namespace {

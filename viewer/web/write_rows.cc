@@ -12,7 +12,9 @@
 #include "robot-agent/controller/create_controller.h"
 #include "troupe/event.h"
 #include "troupe/world_state.h"
+#include "viewer/gateway/page_layout.h"
 #include "viewer/gateway/page_messages.h"
+#include "viewer/gateway/page_values.h"
 
 namespace troupe {
 namespace {

@@ -13,6 +13,7 @@
 #include "tests/support/small_world.h"
 #include "tests/unit/viewer/gateway/page_reader.h"
 #include "viewer/gateway/page_messages.h"
+#include "viewer/gateway/page_values.h"
 
 namespace troupe {
 namespace {
