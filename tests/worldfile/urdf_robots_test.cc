@@ -314,6 +314,39 @@ const std::string kParts =
     "<child link=\"${name}\"/><xacro:insert_block name=\"origin\"/><axis xyz=\"0 ${side} "
     "0\"/></joint></xacro:macro></robot>";
 
+// Names of xacro: macros see those of their callers, `scope` sets one of the caller, a property keeps the value of its
+// first use, and includes with `ns` have names of their own.
+TEST_F(UrdfRobots, NamesOfMacrosHaveScopes) {
+  folder_.Write("own.xacro",
+                "<robot><xacro:property name=\"size\" value=\"0.5\"/>"
+                "<xacro:macro name=\"inner\" params=\"\"><box size=\"${size} ${size} ${size}\"/></xacro:macro>"
+                "<xacro:macro name=\"part\" params=\"name\"><link name=\"${name}\"><collision><geometry><xacro:inner/>"
+                "</geometry></collision></link></xacro:macro></robot>");
+  folder_.Write("r.xacro",
+                "<robot name=\"r\"><xacro:include filename=\"own.xacro\" ns=\"own\"/>\n"
+                "<xacro:property name=\"size\" value=\"9\"/>\n"
+                "<xacro:own.part name=\"base\"/>\n"  // 0.5
+                "<xacro:macro name=\"set\" params=\"to name\">"
+                "<xacro:property name=\"${name}\" value=\"${to}\" scope=\"parent\"/></xacro:macro>\n"
+                "<xacro:macro name=\"leg\" params=\"\"><link name=\"leg\"><collision><geometry>"
+                "<box size=\"${length} ${twice} ${own.size / 5}\"/></geometry></collision></link></xacro:macro>\n"
+                "<xacro:macro name=\"legs\" params=\"\"><xacro:property name=\"length\" value=\"0.2\"/>"
+                "<xacro:property name=\"twice\" value=\"${2 * length}\"/>"
+                "<xacro:if value=\"${twice == 0.4}\"><xacro:set to=\"0.3\" name=\"length\"/></xacro:if><xacro:leg/>"
+                "</xacro:macro>\n<xacro:legs/>\n"
+                "<xacro:property name=\"gone\" value=\"1\"/><xacro:property name=\"gone\" remove=\"true\"/>"
+                "<xacro:property name=\"gone\" default=\"0.75\"/>"
+                "<joint name=\"j\" type=\"fixed\"><parent link=\"base\"/><child link=\"leg\"/>"
+                "<origin xyz=\"${gone} 0 0.2\"/></joint></robot>");
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", folder_.Path("none").c_str(), 1);
+  const LoadedWorld loaded = folder_.Load("r.xacro");
+  setenv("PATH", before.c_str(), 1);
+  ASSERT_THAT(loaded.world.robots, SizeIs(1));
+  // The base of 0.5 m, and a leg of 0.3 x 0.4 x 0.1 m that begins 0.1 m higher than its middle.
+  ExpectExtent(ExtentOf(loaded.world, "r"), {-0.25, -0.25, 0.9, 0.25}, {0, 0.5}, 0.002);
+}
+
 TEST_F(UrdfRobots, MacrosAreAppliedWithoutTheProgram) {
   folder_.Write("parts.xacro", kParts);
   folder_.Write("r.xacro", kMacros);

@@ -4,11 +4,14 @@
 #include <cstdlib>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "worldfile/gazebo/expression.h"
+#include "worldfile/gazebo/xacro_parameters.h"
+#include "worldfile/gazebo/xacro_scope.h"
 #include "worldfile/gazebo/xml_values.h"
 
 namespace troupe {
@@ -18,76 +21,12 @@ constexpr std::size_t kMaxEvaluations = 100'000;
 constexpr int kMaxMacroDepth = 60;  // macros, includes and elements inside each other
 constexpr std::size_t kMaxValueBytes = 1'000'000;
 
-// Names of properties and blocks; what is not here is sought in the scope around.
-struct XacroScope {
-  XacroScope* outer = nullptr;
-  std::map<std::string, std::string> texts;  // not yet evaluated
-  std::map<std::string, std::vector<XmlElement>> blocks;
-};
-
-struct XacroParameter {
-  std::string name;
-  std::optional<std::string> otherwise;  // not yet evaluated
-  bool inherits = false;                 // from the scope of the call
-  int stars = 0;                         // 1: an element, 2: its content
-};
-
 struct XacroMacro {
   std::vector<XacroParameter> parameters;
   const XmlElement* body = nullptr;
   std::string file;
+  XacroScope* space = nullptr;  // that it was defined in; null: none
 };
-
-// The words of a list, in which quotes and brackets keep blanks together.
-std::vector<std::string> ParameterWords(const std::string& text) {
-  std::vector<std::string> words;
-  std::string word;
-  char quote = 0;
-  int brackets = 0;
-  for (const char c : text) {
-    const bool is_blank = c == ' ' || c == '\t' || c == '\n' || c == '\r';
-    if (is_blank && quote == 0 && brackets == 0) {
-      if (!word.empty()) words.push_back(std::exchange(word, ""));
-      continue;
-    }
-    if (quote != 0) {
-      if (c == quote) quote = 0;
-    } else if (c == '\'' || c == '"') {
-      quote = c;
-    }
-    brackets += c == '{' ? 1 : c == '}' ? -1 : 0;
-    word += c;
-  }
-  if (!word.empty()) words.push_back(word);
-  return words;
-}
-
-XacroParameter ParameterOf(std::string word) {
-  XacroParameter parameter;
-  while (word.starts_with('*')) {
-    ++parameter.stars;
-    word.erase(0, 1);
-  }
-  std::size_t sign = word.find(":=");
-  std::size_t length = 2;
-  if (sign == std::string::npos) {
-    sign = word.find('=');
-    length = 1;
-  }
-  parameter.name = word.substr(0, sign);
-  if (sign == std::string::npos) return parameter;
-  std::string text = word.substr(sign + length);
-  if (text.starts_with('^')) {
-    parameter.inherits = true;
-    if (!text.starts_with("^|")) return parameter;
-    text.erase(0, 2);
-  }
-  if (text.size() >= 2 && (text.front() == '\'' || text.front() == '"') && text.back() == text.front()) {
-    text = text.substr(1, text.size() - 2);
-  }
-  parameter.otherwise = text;
-  return parameter;
-}
 
 class XacroExpander {
  public:
@@ -163,9 +102,10 @@ class XacroExpander {
         macro.parameters.push_back(ParameterOf(parameter));
       macro.body = &element;
       macro.file = file;
+      macro.space = SpaceOf(scope);
       std::string name = attribute("name");
       if (name.starts_with("xacro:")) name.erase(0, 6);
-      macros_[name] = std::move(macro);
+      macros_[(macro.space ? macro.space->prefix : "") + name] = std::move(macro);
     } else if (word == "include") {
       Include(element, file, scope, depth, into);
     } else if (word == "if" || word == "unless") {
@@ -185,8 +125,8 @@ class XacroExpander {
         return;
       }
       Fail(element, file, "found the block " + Quoted(name) + ", expected one that is a parameter or a property");
-    } else if (const auto macro = macros_.find(word); macro != macros_.end()) {
-      Call(element, macro->second, file, scope, depth, into);
+    } else if (const XacroMacro* const macro = FindMacro(word, scope)) {
+      Call(element, *macro, file, scope, depth, into);
     } else {
       Fail(element, file,
            "found " + Quoted(element.name) +
@@ -195,12 +135,30 @@ class XacroExpander {
     }
   }
 
+  // Sought in the name space of the scope, then in those around it.
+  const XacroMacro* FindMacro(const std::string& name, XacroScope& scope) const {
+    const XacroScope* const space = SpaceOf(scope);
+    std::string prefix = space ? space->prefix : "";
+    while (true) {
+      if (const auto found = macros_.find(prefix + name); found != macros_.end()) return &found->second;
+      if (prefix.empty()) return nullptr;
+      prefix.pop_back();
+      const std::size_t dot = prefix.rfind('.');
+      prefix.resize(dot == std::string::npos ? 0 : dot + 1);
+    }
+  }
+
   void SetProperty(const XmlElement& element, const std::string& file, XacroScope& scope) {
-    const std::string name = XmlValues::Attribute(element, "name");
+    const std::string name = Text(XmlValues::Attribute(element, "name"), element, file, scope);
     XacroScope* target = &scope;
     const std::string where = XmlValues::Attribute(element, "scope");
     if (where == "parent" && scope.outer != nullptr) target = scope.outer;
     while (where == "global" && target->outer != nullptr) target = target->outer;
+    if (XmlValues::Attribute(element, "remove") == "true") {
+      target->texts.erase(name);
+      target->blocks.erase(name);
+      return;
+    }
     const std::string* value = element.FindAttribute("value");
     const std::string* const otherwise = element.FindAttribute("default");
     if (value == nullptr && otherwise != nullptr) {
@@ -211,20 +169,12 @@ class XacroExpander {
       XmlElement content;
       ExpandChildren(element, file, scope, 1, content);
       target->blocks[name] = std::move(content.children);
-    } else if (where.empty()) {
-      // As it is: names in it may get other values before it is used.
+    } else if (where.empty() && XmlValues::Attribute(element, "lazy_eval") != "false") {
+      // As it is: names in it may get other values before its first use.
       target->texts[name] = *value;
     } else {
-      target->texts[name] = Text(*value, element, file, scope);
+      target->texts[name] = Literal(Text(*value, element, file, scope));
     }
-  }
-
-  static std::pair<const std::string*, XacroScope*> FindProperty(const std::string& name, XacroScope& scope) {
-    for (XacroScope* at = &scope; at != nullptr; at = at->outer) {
-      const auto found = at->texts.find(name);
-      if (found != at->texts.end()) return {&found->second, at};
-    }
-    return {nullptr, nullptr};
   }
 
   void Include(const XmlElement& element, const std::string& file, XacroScope& scope, int depth, XmlElement& into) {
@@ -238,14 +188,26 @@ class XacroExpander {
       return;
     }
     kept_.push_back(root.value());
-    ExpandChildren(*root.value(), found.value(), scope, depth + 1, into);
+    const std::string name_space = XmlValues::Attribute(element, "ns");
+    if (name_space.empty()) {
+      ExpandChildren(*root.value(), found.value(), scope, depth + 1, into);
+      return;
+    }
+    std::shared_ptr<XacroScope>& space = scope.spaces[name_space];
+    if (!space) space = spaces_.emplace_back(std::make_shared<XacroScope>());
+    const XacroScope* const around = SpaceOf(scope);
+    space->prefix = (around ? around->prefix : "") + name_space + ".";
+    space->outer = &scope;
+    ExpandChildren(*root.value(), found.value(), *space, depth + 1, into);
+    // Of a call the scope ends, but its macros stay.
+    while (space->outer->outer != nullptr) space->outer = space->outer->outer;
   }
 
   void Call(const XmlElement& call, const XacroMacro& macro, const std::string& file, XacroScope& scope, int depth,
             XmlElement& into) {
     XacroScope own;
     own.outer = &scope;
-    while (own.outer->outer != nullptr) own.outer = own.outer->outer;  // macros see the global names
+    own.space = macro.space;
     XmlElement blocks;
     ExpandChildren(call, file, scope, depth + 1, blocks);
     std::size_t next = 0;
@@ -351,8 +313,10 @@ class XacroExpander {
     return Evaluate(text, [&](const std::string& name) -> Result<std::optional<ExpressionValue>> {
       const auto [raw, at] = FindProperty(name, scope);
       if (raw == nullptr) return std::optional<ExpressionValue>();
+      const bool is_first_use = raw->find('$') != std::string::npos;
       Result<ExpressionValue> value = Substitute(*raw, file, *at, depth + 1);
       if (!value.ok()) return value.error();
+      if (is_first_use) *raw = Literal(ToText(value.value()));
       // A property that looks like a number is one.
       const auto* const found = std::get_if<std::string>(&value.value());
       return std::optional(found != nullptr ? ValueOfText(*found) : std::move(value).value());
@@ -393,6 +357,7 @@ class XacroExpander {
   std::map<std::string, XacroMacro> macros_;
   std::map<std::string, std::string> arguments_;
   std::deque<std::shared_ptr<const XmlElement>> kept_;  // the files of macros
+  std::deque<std::shared_ptr<XacroScope>> spaces_;      // of macros
   std::size_t elements_ = 0;
   std::size_t evaluations_ = 0;
   std::optional<Error> error_;
