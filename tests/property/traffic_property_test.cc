@@ -159,7 +159,7 @@ void ExpectArrivals(std::uint64_t graphs, Tick ticks) {
 }
 
 TEST(TrafficPropertyTest, RobotsArriveOnGraphsWithRoom) {
-  ExpectArrivals(60, 2000);
+  ExpectArrivals(40, 1500);
 }
 
 TEST(TrafficPropertyTest, DISABLED_RobotsArriveForALongTime) {

@@ -1,6 +1,6 @@
 // The macros of xacro files, for machines without the program: properties, arguments with their defaults, macros with
-// parameters and blocks, conditions, includes, and expressions (expression.h). What else the program knows (YAML,
-// lists, namespaces of includes) is an error that names it. Depth, elements and evaluations are limited.
+// parameters and blocks, conditions, includes with name spaces, and expressions (expression.h). What else the program
+// knows (YAML, lists) is an error that names it. Depth, elements and evaluations are limited.
 #pragma once
 
 #include <string>
