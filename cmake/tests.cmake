@@ -115,7 +115,7 @@ macro(troupe_add_test)
     add_test(NAME ${name} ${ARGN})
     set(environment TROUPE_SOURCE_DIR=${PROJECT_SOURCE_DIR} TROUPE_BINARY_DIR=${CMAKE_BINARY_DIR})
     if(NOT arg_TIMEOUT)
-      set(arg_TIMEOUT 120)
+      set(arg_TIMEOUT 300)
     endif()
     if(TROUPE_SANITIZER)
       math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
