@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "common/model/lane_rules.h"
+#include "common/spatial/scene.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/giving_way.h"
 #include "robot-agent/controller/lane_settings.h"
@@ -43,10 +44,12 @@ constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
 constexpr double kPersonGap = 0.05;      // m: people step aside for a robot that comes near
 constexpr double kSeeAhead = 4.0;        // m
+constexpr double kSoon = 0.5;             // s: a motion to and fro ends so long before a contact
+constexpr double kTurnAhead = 0.3;        // rad: of a turn on the spot it looks so far ahead
 constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destination out to which no lanes lead
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
 // s at rest before a person, who perhaps waits for it: until it moves anywhere, so that the person can pass.
-constexpr double kPersonPatience = 3.0;
+constexpr double kMoverPatience = 3.0;
 constexpr double kTouchingSeconds = 1.0;  // with a contact, until it asks for another way
 
 constexpr auto kAnyVertex = [](std::size_t) { return true; };
@@ -91,10 +94,11 @@ class LanesController final : public Controller, public RobotWatcher {
     controls_.Begin(observation, command_);
     if (!has_started_) Start();
     const double patience = observation.stalled ? Recovery::kPatience
-                            : waits_for_person_ ? kPersonPatience
+                            : waits_for_mover_ ? kMoverPatience
                                                 : Recovery::kNever;
-    waits_for_person_ = false;
+    waits_for_mover_ = false;
     if (std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+      if (!observation.stalled && WouldTouch(*recovery)) recovery.emplace();
       tasks_.AddOrders(observation, *recovery);
       return *std::move(recovery);
     }
@@ -183,7 +187,10 @@ class LanesController final : public Controller, public RobotWatcher {
     const Vec2 way = vertex(to).position - position();
     const double length = way.norm();
     if (!controls_.IsClear(position(), vertex(to).position, now_->pose_estimate.z, radius_)) return false;
-    return length == 0.0 || !FindObstacle(position(), way / length, length - settings_.tolerance, false);
+    if (length == 0.0) return true;
+    const std::optional<LaneObstacle> obstacle =
+        FindObstacle(position(), way / length, length - settings_.tolerance, false);
+    return !obstacle || obstacle->walks;
   }
 
   // The nearest vertex with a clear straight way to it, of those that `may_be` allows.
@@ -501,7 +508,7 @@ class LanesController final : public Controller, public RobotWatcher {
     if (const std::optional<LaneObstacle> obstacle = FindObstacleOnWay(start, along, length - at, tolerance)) {
       most = std::min(most, BrakingSpeed(drive_, obstacle->room));
       if (most < kCreep) {
-        waits_for_person_ = obstacle->is_person;
+        waits_for_mover_ = obstacle->is_person;
         NoteWait(obstacle->model);
         return Obstruct(obstacle->name, leg, at);
       }
@@ -527,6 +534,8 @@ class LanesController final : public Controller, public RobotWatcher {
       if (obstacle) {
         const double gap = obstacle->is_person ? kPersonGap : settings_.gap;
         obstacle->room = i == 0 ? obstacle->room - gap : before + std::max(obstacle->room - gap, 0.0);
+        // It may come as far as the robot goes.
+        if (obstacle->comes) obstacle->room *= 0.5;
         return obstacle;
       }
       before += rest;
@@ -568,6 +577,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const double sign = DrivesBackward(leg) ? -1.0 : 1.0;
     const Vec2 p_R = sign * Transform2(now_->pose_estimate).InverseTransform(aim);
     const bool turns = can_turn() && std::fabs(Atan2(p_R.y(), p_R.x())) > kTurnFirst;
+    if (turns && WaitsBeforeTurn(Atan2(p_R.y(), p_R.x()), leg, at)) return;
     if (ahead) most = std::min(most, BrakingSpeed(drive_, ahead->room - settings_.gap));
     if (ahead && most < kCreep && !turns) {
       if (leg.lane && at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
@@ -577,6 +587,37 @@ class LanesController final : public Controller, public RobotWatcher {
     command_.twist = {sign * motion.twist.vx, motion.twist.vy, motion.twist.wz};
     command_.speed = motion.speed;
     command_.steering = motion.steering;
+  }
+
+  // A motion to and fro, in which it has no contact yet, would soon have one.
+  bool WouldTouch(const Command& motion) const {
+    if (!around_) return false;
+    const double ahead = motion.twist.vx + motion.speed;
+    const double heading = now_->pose_estimate.heading;
+    const SinCosResult along = SinCos(ahead < 0.0 ? heading + kPi : heading);
+    return FindContactAhead(*around_, id_, now_->pose_estimate, {along.cos, along.sin}, kSoon * std::fabs(ahead)) ||
+           FindContactInTurn(*around_, id_, now_->pose_estimate, kSoon * motion.twist.wz);
+  }
+
+  // A corner of its body would touch a person or another robot in a turn on the spot: these may move on. Things that
+  // stand are no reason to wait.
+  bool WaitsBeforeTurn(double bearing, const Leg& leg, double at) {
+    if (!around_) return false;
+    const double angle = std::clamp(bearing, -kTurnAhead, kTurnAhead);
+    const std::optional<ContactAhead> contact = FindContactInTurn(*around_, id_, now_->pose_estimate, angle);
+    if (!contact) return false;
+    const std::optional<RobotId> robot = around_->scene.robot_of(contact->model);
+    const std::optional<PersonId> person = around_->scene.person_of(contact->model);
+    if (!robot && !person) return false;
+    waits_for_mover_ = true;
+    if (robot) {
+      Block(*robot, leg, at);
+    } else {
+      const ModelId root = around_->world().person(*person).root;
+      NoteWait(root);
+      Obstruct(around_->world().model(root).name, leg, at);
+    }
+    return true;
   }
 
   // Another robot is in the way.
@@ -608,9 +649,12 @@ class LanesController final : public Controller, public RobotWatcher {
     const Vec2 way = WayOf(leg);
     const double length = way.norm();
     const bool is_away = is_on_leg_;
-    const bool is_back_free =
-        is_away && !FindObstacle(vertex(leg.from).position + at / length * way, -way / length, at, false);
-    std::optional<BlockEnd> end = giving_way_.OnObstacle(place(), leg, is_away, is_back_free);
+    const auto is_back_free = [&] {
+      const std::optional<LaneObstacle> behind =
+          FindObstacle(vertex(leg.from).position + at / length * way, -way / length, at, false);
+      return !behind || behind->walks;
+    };
+    std::optional<BlockEnd> end = giving_way_.OnObstacle(place(), leg, is_away, is_away && is_back_free());
     if (!end) return;
     const bool has_way = end->way.has_value();
     End(*std::move(end), what, leg);
@@ -700,7 +744,7 @@ class LanesController final : public Controller, public RobotWatcher {
   bool is_blocked_ = false;
   std::optional<WaitOrder> wait_;  // it cannot go on
 
-  bool waits_for_person_ = false;           // in the last tick
+  bool waits_for_mover_ = false;           // in the last tick
   std::optional<PlannedWay> plan_;          // nothing: it finds its own way
   bool has_arrived_ = false;                // at a vertex, since the start
   std::uint32_t touching_ticks_ = 0;        // with a contact on the present lane

@@ -14,7 +14,8 @@
 namespace troupe {
 namespace {
 
-constexpr double kStopWay = 0.15;  // m, to where the circle that it keeps clear would meet an obstacle
+constexpr double kStopWay = 0.15;      // m, to where the circle that it keeps clear would meet an obstacle
+constexpr double kSameSeconds = 30.0;  // after a stall: another one is at the same thing, as far as it can know
 
 struct WanderParameters {
   double speed = 0.4;           // m/s, ahead
@@ -65,16 +66,11 @@ class WanderController final : public Controller {
     if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
       turn_until_ = now;
       turn_ = 0.0;
+      last_ = Motion::kOther;
       return *recovery;
     }
-    if (is_stuck) {
-      stalled_at_ = now;
-      back_off_until_ = now + (view.back_is_clear ? parameters_.back_off_time : 0.0);
-      // A random angle, against an endless sequence of stalls in one corner.
-      turn_until_ = back_off_until_ + TurningTime(0.25 * kPi + 0.5 * kPi * observation.Random(0));
-      turn_ = view.left_is_free ? 1.0 : -1.0;
-    }
-    if (now < back_off_until_) return Drive(-0.5 * parameters_.speed, 0.0);
+    if (is_stuck) Escape(observation, view);
+    if (now < escape_until_ && (escape_ < 0.0 || view.front_is_clear)) return Drive(0.5 * escape_ * parameters_.speed, 0.0);
     if (now < turn_until_) return Turn();
     if (view.front >= parameters_.min_distance && view.front_is_clear) needed_ = parameters_.min_distance;
     if (view.front >= needed_ && view.front_is_clear) {
@@ -91,18 +87,52 @@ class WanderController final : public Controller {
       needed_ *= 0.5;
       turning_since_ = now;
     }
-    return Turn();
+    return keeps_circle() && now - turning_since_ < parameters_.back_off_time ? TurnWithRoom(view) : Turn();
   }
 
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<WanderController>(*this); }
 
  private:
+  enum class Motion { kOther, kAhead, kBack, kLeft, kRight };
+
   struct View {
     double front;                // m, the shortest range ahead
     bool left_is_free;           // there is at least as much room to the left as to the right
     bool front_is_clear = true;  // the circle about the body can move ahead
     bool back_is_clear = true;   // likewise; also where no ray looks
+    bool near_front = false;     // something is in that circle, in its front half
+    bool near_back = false;      // likewise in the other one
   };
+
+  // A car turns on no spot.
+  bool keeps_circle() const { return placed_rays_ && !car_; }
+
+  // Away from a contact, then a turn by a random angle, against an endless sequence of stalls in one corner.
+  void Escape(const Observation& observation, const View& view) {
+    const double now = observation.time;
+    // What its ranger does not see, the railing of a gallery for instance, looks like the side with more room: after
+    // another stall it turns to the side of before, and farther, so that it does not come back to it.
+    const bool again = stall_side_ != 0.0 && now - stalled_at_ < kSameSeconds;
+    if (!again) stall_side_ = view.left_is_free ? 1.0 : -1.0;
+    const bool in_turn = keeps_circle() && (last_ == Motion::kLeft || last_ == Motion::kRight);
+    if (in_turn) stall_side_ = last_ == Motion::kLeft ? -1.0 : 1.0;
+    if (keeps_circle() && last_ == Motion::kBack) {
+      escape_ = 0.0;
+    } else if (in_turn) {
+      // What stops it in a turn is beside or behind it, perhaps where no ray looks: it leaves that behind, or turns to
+      // the other side.
+      escape_ = view.front_is_clear ? 1.0 : view.near_front && view.back_is_clear ? -1.0 : 0.0;
+    } else {
+      escape_ = view.back_is_clear ? -1.0 : 0.0;
+    }
+    stalled_at_ = now;
+    escape_until_ = now + (escape_ != 0.0 ? parameters_.back_off_time : 0.0);
+    const double least = again ? 0.5 * kPi : 0.25 * kPi;
+    const double turn = escape_ > 0.0 ? 0.0 : least + 0.5 * kPi * observation.Random(0);
+    turn_until_ = escape_until_ + TurningTime(turn);
+    turn_ = stall_side_;
+    if (keeps_circle()) turning_since_ = escape_until_;
+  }
 
   View Look(const Observation& observation) const {
     View view{parameters_.min_distance, true};
@@ -134,6 +164,7 @@ class WanderController final : public Controller {
       if (range >= placed.ray.max_range) continue;
       const Vec2 p_R = placed.p_RO + range * placed.direction;
       if (std::abs(p_R.y()) >= radius) continue;
+      if (p_R.squaredNorm() < radius * radius) (p_R.x() > 0.0 ? view.near_front : view.near_back) = true;
       const double way = std::abs(p_R.x()) - std::sqrt(radius * radius - p_R.y() * p_R.y());
       if (way >= kStopWay) continue;
       (p_R.x() > 0.0 ? view.front_is_clear : view.back_is_clear) = false;
@@ -142,14 +173,23 @@ class WanderController final : public Controller {
 
   double TurningTime(double angle) const { return parameters_.turn_rate > 0.0 ? angle / parameters_.turn_rate : 0.0; }
 
+  // What has come into the circle, a robot or a person, could be touched by a corner of the body in a turn: it makes room
+  // first, where there is some.
+  Command TurnWithRoom(const View& view) {
+    if (view.near_front && !view.near_back && view.back_is_clear) return Drive(-0.5 * parameters_.speed, 0.0);
+    if (view.near_back && !view.near_front && view.front_is_clear) return Drive(0.5 * parameters_.speed, 0.0);
+    return Turn();
+  }
+
   // A car cannot turn on the spot: it turns backwards, away from the obstacle ahead.
-  Command Turn() const {
+  Command Turn() {
     return car_ ? Drive(-0.5 * parameters_.speed, -turn_ * parameters_.steering_angle)
                 : Drive(0.0, turn_ * parameters_.turn_rate);
   }
 
   // `turn`: steering angle of a car, turn rate of any other drive.
-  Command Drive(double speed, double turn) const {
+  Command Drive(double speed, double turn) {
+    last_ = speed > 0.0 ? Motion::kAhead : speed < 0.0 ? Motion::kBack : turn > 0.0 ? Motion::kLeft : Motion::kRight;
     Command command;
     if (car_) {
       command.speed = speed;
@@ -166,11 +206,14 @@ class WanderController final : public Controller {
   Shared<std::vector<RangerRay>> rays_;
   std::optional<Shared<std::vector<PlacedRay>>> placed_rays_;  // with a circle to keep clear
   Recovery recovery_;
-  double needed_;      // m: it turns away from a nearer obstacle ahead; min_distance, or less in a narrow place
+  Motion last_ = Motion::kOther;  // of the last command
+  double needed_;                 // m: it turns away from a nearer obstacle ahead; min_distance, or less in a narrow place
   double turn_ = 0.0;  // 1: to the left, -1: to the right, 0: not turning
   double turning_since_ = 0.0;  // s, simulated, as all times: or since `needed_` was lowered
   double stalled_at_ = 0.0;     // when it last began to back off
-  double back_off_until_ = 0.0;
+  double stall_side_ = 0.0;     // to which it turned then; 0: it has not
+  double escape_ = 0.0;  // 1: it drives ahead from the contact, -1: back, 0: neither
+  double escape_until_ = 0.0;
   double turn_until_ = 0.0;
 };
 

@@ -33,12 +33,14 @@ std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotI
     model = world.objects[object->index()];
   }
   const std::optional<PersonId> person = scene.person_of(model);
+  Vec2 velocity = Vec2::Zero();
   if (person) {
     const PersonState& walker = around.state.people[person->index()];
-    if (walker.vx != 0.0 || walker.vy != 0.0) return std::nullopt;
+    velocity = {walker.vx, walker.vy};
     model = world.person(*person).root;
   }
-  return LaneObstacle{model, world.model(model).name, contact->room, person.has_value()};
+  return LaneObstacle{model, world.model(model).name, contact->room, person.has_value(), !velocity.isZero(0.0),
+                      velocity.dot(direction) < 0.0};
 }
 
 ClosedLanes::Block ClosedLanes::Count(std::size_t lane) {

@@ -24,10 +24,11 @@ struct LaneObstacle {
   std::string name;   // of the static model, or of the root of the object or person
   double room = 0.0;  // m, that the robot can move until it touches it
   bool is_person = false;
+  bool walks = false;  // it is a person who walks, and perhaps moves on
+  bool comes = false;  // likewise, and against the direction of the robot
 };
 
-// The obstacle of FindContactAhead. Nothing also where it is a robot, a person that walks, or a leaf of a door that is
-// not open: these move.
+// The obstacle of FindContactAhead. Nothing also where it is a robot, or a leaf of a door that is not open: these move.
 std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
                                               const Vec2& direction, double way);
 

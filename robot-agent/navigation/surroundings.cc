@@ -1,5 +1,6 @@
 #include "robot-agent/navigation/surroundings.h"
 
+#include <cmath>
 #include <vector>
 
 #include "common/spatial/body_index.h"
@@ -44,6 +45,14 @@ class RobotMover {
   Mover mover_;
 };
 
+std::optional<ContactAhead> FindContact(const Surroundings& around, RobotId own, const Motion& motion) {
+  if (!(motion.duration > 0.0)) return std::nullopt;
+  const RobotMover robot(around, own);
+  const std::optional<Contact> contact = FirstContact(around.scene, around.bodies, robot.mover(), motion);
+  if (!contact || !contact->other) return std::nullopt;
+  return ContactAhead{*contact->other, contact->time};
+}
+
 }  // namespace
 
 const WorldDescription& WorldIn(const Scene& scene) {
@@ -60,13 +69,14 @@ const Pose& Surroundings::PoseOf(RobotId robot) const {
 
 std::optional<ContactAhead> FindContactAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
                                              const Vec2& direction, double way) {
-  if (!(way > 0.0)) return std::nullopt;
-  const RobotMover robot(around, own);
   const Vec2 direction_R = Transform2(X_WR).InverseRotate(direction);
-  const Motion motion{X_WR, {direction_R.x(), direction_R.y(), 0.0}, 0.0, way};  // 1 m/s: seconds are metres
-  const std::optional<Contact> contact = FirstContact(around.scene, around.bodies, robot.mover(), motion);
-  if (!contact || !contact->other) return std::nullopt;
-  return ContactAhead{*contact->other, contact->time};
+  // 1 m/s: seconds are metres.
+  return FindContact(around, own, {X_WR, {direction_R.x(), direction_R.y(), 0.0}, 0.0, way});
+}
+
+std::optional<ContactAhead> FindContactInTurn(const Surroundings& around, RobotId own, const Pose& X_WR, double angle) {
+  // 1 rad/s: seconds are radians.
+  return FindContact(around, own, {X_WR, {0.0, 0.0, angle > 0.0 ? 1.0 : -1.0}, 0.0, std::fabs(angle)});
 }
 
 ModelId RootOf(const Surroundings& around, ModelId model) {

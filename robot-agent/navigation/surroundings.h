@@ -38,6 +38,8 @@ struct ContactAhead {
 };
 std::optional<ContactAhead> FindContactAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
                                              const Vec2& direction, double way);
+// The same, if it turned on the spot by `angle` rad (to the left, if positive); `room` is in rad then.
+std::optional<ContactAhead> FindContactInTurn(const Surroundings& around, RobotId own, const Pose& X_WR, double angle);
 
 // The root of the model that a link or a part belongs to.
 ModelId RootOf(const Surroundings& around, ModelId model);

@@ -198,6 +198,50 @@ TEST_F(WanderTest, BacksOffAndTurnsAfterAStall) {
   EXPECT_EQ(See(kNothing).twist.vx, 0.5);
 }
 
+TEST_F(WanderTest, TurnsToTheSameSideAndFartherAfterAnotherStall) {
+  Make({MakeScanner()});
+  const auto left_is_free = WallAhead(0.8, -1.5, 0.2);
+  const auto right_is_free = WallAhead(0.8, -0.2, 1.5);
+  const auto update = [&](auto range, bool stalled) {
+    const std::vector<SensorReading> readings = {Read(robot_.sensors[0], range)};
+    Observation observation = At(tick_++, readings, stalled);
+    observation.pose_estimate.x = 0.05 * static_cast<double>(tick_);  // it moves on
+    return controller_->Update(observation).twist;
+  };
+  // The turn after a stall (rad, to the left): what it sees at the stall decides.
+  const auto turn_after_stall = [&](auto range) {
+    EXPECT_LT(update(range, true).vx, 0.0);
+    for (int i = 1; i < 10; ++i) EXPECT_LT(update(range, false).vx, 0.0) << i;
+    double turn = 0.0;
+    for (Twist twist = update(kNothing, false); twist.vx == 0.0; twist = update(kNothing, false))
+      turn += 0.1 * twist.wz;
+    return turn;
+  };
+  EXPECT_GT(turn_after_stall(left_is_free), 0.2 * kPi);
+  EXPECT_GT(turn_after_stall(right_is_free), 0.45 * kPi);
+  for (int i = 0; i < 300; ++i) update(kNothing, false);
+  EXPECT_LT(turn_after_stall(right_is_free), -0.2 * kPi);
+}
+
+TEST_F(WanderTest, MakesRoomInItsCircleBeforeItTurns) {
+  const std::string parameters = R"({"speed": 0.5, "turn_rate": 0.7, "min_distance": 1, "clearance": 0.5})";
+  Make({MakeScanner()}, DriveType::kDifferential, parameters);
+  EXPECT_EQ(See(WallAhead(0.8, -0.2, 0.4)).twist, (Twist{0.0, 0.0, -0.7})) << "nothing is in the circle";
+  EXPECT_LT(See(WallAhead(0.4, -0.2, 0.4)).twist.vx, 0.0);
+  EXPECT_EQ(See(WallAhead(0.8, -0.2, 0.4)).twist.wz, -0.7);
+}
+
+TEST_F(WanderTest, LeavesWhatStopsItInATurnBehindAndTurnsTheOtherWay) {
+  const std::string parameters = R"({"speed": 0.5, "turn_rate": 0.7, "min_distance": 1, "clearance": 0.4})";
+  Make({MakeScanner()}, DriveType::kDifferential, parameters);
+  const auto left_is_free = WallAhead(0.8, -1.4, 0.2);
+  EXPECT_EQ(See(left_is_free).twist.wz, 0.7);
+  EXPECT_GT(See(left_is_free, true).twist.vx, 0.0);
+  Twist twist = See(left_is_free).twist;
+  for (int i = 0; i < 20 && twist.vx > 0.0; ++i) twist = See(left_is_free).twist;
+  EXPECT_EQ(twist.wz, -0.7);
+}
+
 TEST_F(WanderTest, TriesOtherMotionsWhereItsWayBackAndItsTurnAreBlocked) {
   for (const DriveType drive : {DriveType::kDifferential, DriveType::kOmni, DriveType::kCar}) {
     Make({MakeScanner()}, drive);
