@@ -44,8 +44,8 @@ constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
 constexpr double kPersonGap = 0.05;      // m: people step aside for a robot that comes near
 constexpr double kSeeAhead = 4.0;        // m
-constexpr double kSoon = 0.5;             // s: a motion to and fro ends so long before a contact
-constexpr double kTurnAhead = 0.3;        // rad: of a turn on the spot it looks so far ahead
+constexpr double kSoon = 0.5;            // s: a motion to and fro ends so long before a contact
+constexpr double kTurnAhead = 0.3;       // rad: of a turn on the spot it looks so far ahead
 constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destination out to which no lanes lead
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
 // s at rest before a person, who perhaps waits for it: until it moves anywhere, so that the person can pass.
@@ -94,7 +94,7 @@ class LanesController final : public Controller, public RobotWatcher {
     controls_.Begin(observation, command_);
     if (!has_started_) Start();
     const double patience = observation.stalled ? Recovery::kPatience
-                            : waits_for_mover_ ? kMoverPatience
+                            : waits_for_mover_  ? kMoverPatience
                                                 : Recovery::kNever;
     waits_for_mover_ = false;
     if (std::optional<Command> recovery = recovery_.Update(observation, patience)) {
@@ -744,7 +744,7 @@ class LanesController final : public Controller, public RobotWatcher {
   bool is_blocked_ = false;
   std::optional<WaitOrder> wait_;  // it cannot go on
 
-  bool waits_for_mover_ = false;           // in the last tick
+  bool waits_for_mover_ = false;            // in the last tick
   std::optional<PlannedWay> plan_;          // nothing: it finds its own way
   bool has_arrived_ = false;                // at a vertex, since the start
   std::uint32_t touching_ticks_ = 0;        // with a contact on the present lane

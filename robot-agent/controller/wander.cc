@@ -70,7 +70,8 @@ class WanderController final : public Controller {
       return *recovery;
     }
     if (is_stuck) Escape(observation, view);
-    if (now < escape_until_ && (escape_ < 0.0 || view.front_is_clear)) return Drive(0.5 * escape_ * parameters_.speed, 0.0);
+    if (now < escape_until_ && (escape_ < 0.0 || view.front_is_clear))
+      return Drive(0.5 * escape_ * parameters_.speed, 0.0);
     if (now < turn_until_) return Turn();
     if (view.front >= parameters_.min_distance && view.front_is_clear) needed_ = parameters_.min_distance;
     if (view.front >= needed_ && view.front_is_clear) {
@@ -104,7 +105,7 @@ class WanderController final : public Controller {
     bool near_back = false;      // likewise in the other one
   };
 
-  // A car turns on no spot.
+  // A car does not turn on the spot.
   bool keeps_circle() const { return placed_rays_ && !car_; }
 
   // Away from a contact, then a turn by a random angle, against an endless sequence of stalls in one corner.
@@ -173,8 +174,8 @@ class WanderController final : public Controller {
 
   double TurningTime(double angle) const { return parameters_.turn_rate > 0.0 ? angle / parameters_.turn_rate : 0.0; }
 
-  // What has come into the circle, a robot or a person, could be touched by a corner of the body in a turn: it makes room
-  // first, where there is some.
+  // What has come into the circle, a robot or a person, could be touched by a corner of the body in a turn: it makes
+  // room first, where there is some.
   Command TurnWithRoom(const View& view) {
     if (view.near_front && !view.near_back && view.back_is_clear) return Drive(-0.5 * parameters_.speed, 0.0);
     if (view.near_back && !view.near_front && view.front_is_clear) return Drive(0.5 * parameters_.speed, 0.0);
@@ -207,12 +208,12 @@ class WanderController final : public Controller {
   std::optional<Shared<std::vector<PlacedRay>>> placed_rays_;  // with a circle to keep clear
   Recovery recovery_;
   Motion last_ = Motion::kOther;  // of the last command
-  double needed_;                 // m: it turns away from a nearer obstacle ahead; min_distance, or less in a narrow place
+  double needed_;      // m: it turns away from a nearer obstacle ahead; min_distance, or less in a narrow place
   double turn_ = 0.0;  // 1: to the left, -1: to the right, 0: not turning
   double turning_since_ = 0.0;  // s, simulated, as all times: or since `needed_` was lowered
   double stalled_at_ = 0.0;     // when it last began to back off
   double stall_side_ = 0.0;     // to which it turned then; 0: it has not
-  double escape_ = 0.0;  // 1: it drives ahead from the contact, -1: back, 0: neither
+  double escape_ = 0.0;         // 1: it drives ahead from the contact, -1: back, 0: neither
   double escape_until_ = 0.0;
   double turn_until_ = 0.0;
 };

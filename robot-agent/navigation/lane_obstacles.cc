@@ -39,7 +39,11 @@ std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotI
     velocity = {walker.vx, walker.vy};
     model = world.person(*person).root;
   }
-  return LaneObstacle{model, world.model(model).name, contact->room, person.has_value(), !velocity.isZero(0.0),
+  return LaneObstacle{model,
+                      world.model(model).name,
+                      contact->room,
+                      person.has_value(),
+                      !velocity.isZero(0.0),
                       velocity.dot(direction) < 0.0};
 }
 
