@@ -44,7 +44,6 @@ constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
 constexpr double kPersonGap = 0.05;      // m: people step aside for a robot that comes near
 constexpr double kSeeAhead = 4.0;        // m
-constexpr double kSoon = 0.5;            // s: a motion to and fro ends so long before a contact
 constexpr double kTurnAhead = 0.3;       // rad: of a turn on the spot it looks so far ahead
 constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destination out to which no lanes lead
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
@@ -98,7 +97,6 @@ class LanesController final : public Controller, public RobotWatcher {
                                                 : Recovery::kNever;
     waits_for_mover_ = false;
     if (std::optional<Command> recovery = recovery_.Update(observation, patience)) {
-      if (!observation.stalled && WouldTouch(*recovery)) recovery.emplace();
       tasks_.AddOrders(observation, *recovery);
       return *std::move(recovery);
     }
@@ -587,16 +585,6 @@ class LanesController final : public Controller, public RobotWatcher {
     command_.twist = {sign * motion.twist.vx, motion.twist.vy, motion.twist.wz};
     command_.speed = motion.speed;
     command_.steering = motion.steering;
-  }
-
-  // A motion to and fro, in which it has no contact yet, would soon have one.
-  bool WouldTouch(const Command& motion) const {
-    if (!around_) return false;
-    const double ahead = motion.twist.vx + motion.speed;
-    const double heading = now_->pose_estimate.heading;
-    const SinCosResult along = SinCos(ahead < 0.0 ? heading + kPi : heading);
-    return FindContactAhead(*around_, id_, now_->pose_estimate, {along.cos, along.sin}, kSoon * std::fabs(ahead)) ||
-           FindContactInTurn(*around_, id_, now_->pose_estimate, kSoon * motion.twist.wz);
   }
 
   // A corner of its body would touch a person or another robot in a turn on the spot: these may move on. Things that

@@ -15,6 +15,7 @@ namespace troupe {
 namespace {
 
 constexpr double kStopWay = 0.15;      // m, to where the circle that it keeps clear would meet an obstacle
+constexpr int kVainStalls = 4;         // one after another
 constexpr double kSameSeconds = 30.0;  // after a stall: another one is at the same thing, as far as it can know
 
 struct WanderParameters {
@@ -114,10 +115,13 @@ class WanderController final : public Controller {
     // What its ranger does not see, the railing of a gallery for instance, looks like the side with more room: after
     // another stall it turns to the side of before, and farther, so that it does not come back to it.
     const bool again = stall_side_ != 0.0 && now - stalled_at_ < kSameSeconds;
+    stalls_ = again ? stalls_ + 1 : 1;
     if (!again) stall_side_ = view.left_is_free ? 1.0 : -1.0;
-    const bool in_turn = keeps_circle() && (last_ == Motion::kLeft || last_ == Motion::kRight);
+    // Where its care has not helped, it does as a robot that sees less.
+    const bool is_careful = keeps_circle() && stalls_ < kVainStalls;
+    const bool in_turn = is_careful && (last_ == Motion::kLeft || last_ == Motion::kRight);
     if (in_turn) stall_side_ = last_ == Motion::kLeft ? -1.0 : 1.0;
-    if (keeps_circle() && last_ == Motion::kBack) {
+    if (is_careful && last_ == Motion::kBack) {
       escape_ = 0.0;
     } else if (in_turn) {
       // What stops it in a turn is beside or behind it, perhaps where no ray looks: it leaves that behind, or turns to
@@ -132,7 +136,7 @@ class WanderController final : public Controller {
     const double turn = escape_ > 0.0 ? 0.0 : least + 0.5 * kPi * observation.Random(0);
     turn_until_ = escape_until_ + TurningTime(turn);
     turn_ = stall_side_;
-    if (keeps_circle()) turning_since_ = escape_until_;
+    if (is_careful) turning_since_ = escape_until_;
   }
 
   View Look(const Observation& observation) const {
@@ -213,6 +217,7 @@ class WanderController final : public Controller {
   double turning_since_ = 0.0;  // s, simulated, as all times: or since `needed_` was lowered
   double stalled_at_ = 0.0;     // when it last began to back off
   double stall_side_ = 0.0;     // to which it turned then; 0: it has not
+  int stalls_ = 0;              // at the same thing
   double escape_ = 0.0;         // 1: it drives ahead from the contact, -1: back, 0: neither
   double escape_until_ = 0.0;
   double turn_until_ = 0.0;

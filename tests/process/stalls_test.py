@@ -13,7 +13,7 @@ import tempfile
 
 SCENARIOS = pathlib.Path(__file__).resolve().parents[2] / "worlds" / "scenarios"
 MOST = 0.1  # stalls per robot and minute
-LONGEST = 300.0  # s, of a wait: several robots wait for one lift, or for those that come out of a dead end
+LONGEST = 600.0  # s, of a wait: a door of a restaurant among its guests, a lift for which several robots wait
 # A robot without rangers, for which a contact is what a range is for others, and those that it runs into.
 BY_CONTACT = {"sensors"}
 
