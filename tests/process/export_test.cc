@@ -24,7 +24,7 @@ using testing::Pair;
 using testing::SizeIs;
 using testing::StartsWith;
 
-constexpr int kTicks = 60;
+constexpr int kExportedTicks = 60;
 constexpr const char* kTables[] = {"/tables/robots", "/tables/joints", "/tables/grippers", "/tables/objects"};
 
 // A recording of a robot that grips a box.
@@ -32,8 +32,8 @@ class ExportTest : public testing::Test {
  protected:
   ExportTest() {
     OutputOf(Troupe({"run", std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/stage_stacking.json",
-                     "--in-process", "--headless", "--ticks", std::to_string(kTicks), "--record", Path("run.mcap"),
-                     "--poses", Path("run-poses")}));
+                     "--in-process", "--headless", "--ticks", std::to_string(kExportedTicks), "--record",
+                     Path("run.mcap"), "--poses", Path("run-poses")}));
   }
   std::string Path(const std::string& name) const { return folder_.Path(name); }
   Finished Export(const std::string& format, const std::string& output, std::vector<std::string> more = {}) const {
@@ -79,8 +79,8 @@ TEST_F(ExportTest, ForFoxgloveHasTheSceneAndTheFramesOfEachTick) {
   EXPECT_EQ(topics.at("/scene").type, "foxglove.SceneUpdate");
   EXPECT_EQ(topics.at("/scene").encoding, "json jsonschema");
   EXPECT_THAT(topics.at("/scene").messages, SizeIs(1));
-  EXPECT_THAT(topics.at("/tf").messages, SizeIs(kTicks + 1));
-  for (const char* const name : kTables) EXPECT_THAT(topics.at(name).messages, SizeIs(kTicks + 1)) << name;
+  EXPECT_THAT(topics.at("/tf").messages, SizeIs(kExportedTicks + 1));
+  for (const char* const name : kTables) EXPECT_THAT(topics.at(name).messages, SizeIs(kExportedTicks + 1)) << name;
   const nlohmann::json robots = nlohmann::json::parse(topics.at("/tables/robots").messages.back());
   EXPECT_EQ(robots["timestamp"]["sec"], 6);
   EXPECT_EQ(robots["rows"][0]["name"], "r");
@@ -109,9 +109,9 @@ TEST_F(ExportTest, ForRosIsABag) {
                            "/r/robot_description", "/events"}) {
     EXPECT_THAT(topics, Contains(Key(name)));
   }
-  for (const char* const name : kTables) EXPECT_THAT(topics.at(name).messages, SizeIs(kTicks + 1)) << name;
+  for (const char* const name : kTables) EXPECT_THAT(topics.at(name).messages, SizeIs(kExportedTicks + 1)) << name;
   EXPECT_THAT(topics.at("/tables/objects").messages.back(), HasSubstr("{\"name\":\"box\",\"x\":"));
-  EXPECT_THAT(topics.at("/tf").messages, SizeIs(kTicks + 1));
+  EXPECT_THAT(topics.at("/tf").messages, SizeIs(kExportedTicks + 1));
   EXPECT_THAT(topics.at("/tf").definition,
               HasSubstr("geometry_msgs/TransformStamped[] transforms\n" + std::string(80, '=') +
                         "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"));
@@ -127,7 +127,7 @@ TEST_F(ExportTest, ForTablesHasTheColumnsThatTheirFirstLinesName) {
     return all;
   };
   const std::vector<std::string> poses = lines("tables/poses.csv");
-  ASSERT_THAT(poses, SizeIs(kTicks + 2));
+  ASSERT_THAT(poses, SizeIs(kExportedTicks + 2));
   EXPECT_EQ(poses[0],
             "time,tick,robot,x,y,z,heading,vx,vy,wz,stalled,speed,level,energy,capacity,charging,"
             "waiting,arrivals,waits_for,goods,loaded,wants_charge,wait_time,blocked_by");
@@ -145,7 +145,7 @@ TEST_F(ExportTest, ForTablesHasTheColumnsThatTheirFirstLinesName) {
     const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
     for (const std::string& line : table) EXPECT_EQ(commas(line), commas(table[0])) << line;
   }
-  EXPECT_THAT(lines("tables/objects.csv"), SizeIs(testing::Gt(kTicks)));
+  EXPECT_THAT(lines("tables/objects.csv"), SizeIs(testing::Gt(kExportedTicks)));
   EXPECT_THAT(folder_.Read("tables/events.csv"), HasSubstr(",gripped,r,box,"));
   OutputOf(Export("csv", "poses.csv"));
   EXPECT_EQ(folder_.Read("poses.csv"), folder_.Read("tables/poses.csv"));
