@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <exception>
 #include <future>
 #include <limits>
@@ -31,7 +32,10 @@ std::string NamesOf(const WorldDescription& world) {
   return names.empty() ? "a world with robots" : fmt::format("one of: {}", fmt::join(names, ", "));
 }
 
-constexpr auto kMaxReturn = std::chrono::seconds(1);  // of a controller, after Ctrl-C
+// Of a controller, after Ctrl-C: of the process's time, because a controller that does return may have to wait for a
+// processor; and of wall time, for one that waits.
+constexpr double kMaxReturnWork = 1.0;  // s
+constexpr auto kMaxReturn = std::chrono::seconds(10);
 constexpr auto kMaxEnd = std::chrono::seconds(10);
 
 std::atomic<int> calls = 0;  // of RunInterruptibly and of World::Load
@@ -96,14 +100,21 @@ void RunInterruptibly(bool calls_python, const std::function<void(Interrupt& int
       worker = PyThread_get_thread_ident();
       work(interrupt);
     });
-    std::optional<std::chrono::steady_clock::time_point> raise_at;  // in a controller that does not return
+    // Since Ctrl-C, or since a controller that does not return was interrupted.
+    struct Since {
+      std::chrono::steady_clock::time_point wall = std::chrono::steady_clock::now();
+      std::clock_t processor = std::clock();
+    };
+    std::optional<Since> since;
     while (done.wait_for(kSignalPeriod) != std::future_status::ready) {
       const py::gil_scoped_acquire acquire;
-      const auto now = std::chrono::steady_clock::now();
-      if (interrupt.HasSignal()) raise_at = now + kMaxReturn;
-      if (!raise_at || now < *raise_at) continue;
+      const Since now;
+      if (interrupt.HasSignal()) since = now;
+      if (!since) continue;
+      const double used = static_cast<double>(now.processor - since->processor) / CLOCKS_PER_SEC;
+      if (used < kMaxReturnWork && now.wall - since->wall < kMaxReturn) continue;
       PyThreadState_SetAsyncExc(worker, PyExc_KeyboardInterrupt);
-      raise_at = now + kMaxReturn;
+      since = now;
     }
     done.get();
   }
