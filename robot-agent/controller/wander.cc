@@ -112,8 +112,8 @@ class WanderController final : public Controller {
   // Away from a contact, then a turn by a random angle, against an endless sequence of stalls in one corner.
   void Escape(const Observation& observation, const View& view) {
     const double now = observation.time;
-    // What its ranger does not see, the railing of a gallery for instance, looks like the side with more room: after
-    // another stall it turns to the side of before, and farther, so that it does not come back to it.
+    // An obstacle that the ranger does not see, such as the railing of a gallery, looks like the side with more room.
+    // So a robot that stalls again turns to the same side, by a larger angle, and leaves that obstacle behind.
     const bool again = stall_side_ != 0.0 && now - stalled_at_ < kSameSeconds;
     stalls_ = again ? stalls_ + 1 : 1;
     if (!again) stall_side_ = view.left_is_free ? 1.0 : -1.0;

@@ -193,8 +193,8 @@ class XacroExpander {
       ExpandChildren(*root.value(), found.value(), scope, depth + 1, into);
       return;
     }
-    std::shared_ptr<XacroScope>& space = scope.spaces[name_space];
-    if (!space) space = spaces_.emplace_back(std::make_shared<XacroScope>());
+    XacroScope*& space = scope.spaces[name_space];
+    if (space == nullptr) space = &spaces_.emplace_back();
     const XacroScope* const around = SpaceOf(scope);
     space->prefix = (around ? around->prefix : "") + name_space + ".";
     space->outer = &scope;
@@ -357,7 +357,7 @@ class XacroExpander {
   std::map<std::string, XacroMacro> macros_;
   std::map<std::string, std::string> arguments_;
   std::deque<std::shared_ptr<const XmlElement>> kept_;  // the files of macros
-  std::deque<std::shared_ptr<XacroScope>> spaces_;      // of macros
+  std::deque<XacroScope> spaces_;                       // of macros
   std::size_t elements_ = 0;
   std::size_t evaluations_ = 0;
   std::optional<Error> error_;

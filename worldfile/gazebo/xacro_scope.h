@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +18,7 @@ struct XacroScope {
   std::string prefix = {};      // of macros that are defined here: "a.b." in the name space b of a
   std::map<std::string, std::string> texts = {};  // evaluated at the first use
   std::map<std::string, std::vector<XmlElement>> blocks = {};
-  std::map<std::string, std::shared_ptr<XacroScope>> spaces = {};  // name spaces of includes
+  std::map<std::string, XacroScope*> spaces = {};  // name spaces of includes, kept by the expander
 };
 
 // The name space that the scope is in, or null.
