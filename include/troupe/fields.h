@@ -110,12 +110,24 @@ constexpr bool CanInitialize(std::index_sequence<I...>) {
   };
 }
 
-template <typename Row, std::size_t count = 0>
+// Each attempt resolves the initialization of all members, so there are few of them: twice the number, until it is too
+// many, then halves.
+template <typename Row, std::size_t enough = 1, std::size_t too_many = 0>
 constexpr std::size_t CountMembers() {
-  if constexpr (CanInitialize<Row>(std::make_index_sequence<count + 1>())) {
-    return CountMembers<Row, count + 1>();
+  if constexpr (too_many == 0) {
+    if constexpr (CanInitialize<Row>(std::make_index_sequence<enough * 2>())) {
+      return CountMembers<Row, enough * 2>();
+    } else {
+      constexpr std::size_t known = enough == 1 ? 0 : enough;  // one has not been tried
+      return CountMembers<Row, known, enough * 2>();
+    }
+  } else if constexpr (too_many - enough == 1) {
+    return enough;
+  } else if constexpr (constexpr std::size_t middle = (enough + too_many) / 2;
+                       CanInitialize<Row>(std::make_index_sequence<middle>())) {
+    return CountMembers<Row, middle, too_many>();
   } else {
-    return count;
+    return CountMembers<Row, enough, middle>();
   }
 }
 
@@ -144,6 +156,14 @@ constexpr bool IsUnit(std::string_view unit) {
     if (unit == known) return true;
   }
   return unit.empty();
+}
+
+template <typename... Listed>
+constexpr bool HaveUnits(const std::tuple<Listed...>& fields) {
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return (... && IsUnit(std::get<I>(fields).unit));
+  }
+  (std::index_sequence_for<Listed...>());
 }
 
 template <typename Branch, typename Leaf>
@@ -187,15 +207,17 @@ constexpr auto LeavesOf(const Listed& field) {
 // The number of members of an aggregate.
 template <typename Row>
 inline constexpr std::size_t kMemberCount = fields_internal::CountMembers<Row>();
+template <HasFields Row>
+inline constexpr std::size_t kMemberCount<Row> = std::tuple_size_v<decltype(Row::Fields())>;
 
 // The list of a type, checked.
 template <typename Row>
 constexpr auto FieldsOf() {
   constexpr auto fields = Row::Fields();
-  static_assert(std::tuple_size_v<decltype(fields)> == kMemberCount<Row>, "a member is missing in Fields()");
   static_assert(fields_internal::AreDistinct(fields), "a member is listed twice in Fields()");
-  static_assert(std::apply([](const auto&... field) { return (... && fields_internal::IsUnit(field.unit)); }, fields),
-                "a field has a unit that is not in kFieldUnits");
+  static_assert(!fields_internal::CanInitialize<Row>(std::make_index_sequence<kMemberCount<Row> + 1>()),
+                "a member is missing in Fields()");
+  static_assert(fields_internal::HaveUnits(fields), "a field has a unit that is not in kFieldUnits");
   return fields;
 }
 
