@@ -15,7 +15,7 @@ namespace {
 constexpr double kStepOnWay = 0.05;      // m, between the points of the way that are looked at
 constexpr double kZoneMargin = 0.1;      // m, between a vehicle that waits and the zone
 constexpr double kRequestAhead = 5.0;    // m of the way to a zone, from which it asks
-constexpr double kLeft = 0.05;           // m, from a zone that it has left
+constexpr double kLeaveMargin = 0.05;    // m, from a zone that it has left
 constexpr double kStraight = 0.2;        // the tangent of the angle between a line and the direction of a zone
 constexpr double kFirstLeg = 0.6;        // m: a shorter way back to its line says nothing about the line
 constexpr std::int64_t kRefused = 5000;  // ms, until it asks again
@@ -254,7 +254,7 @@ VehicleZones::Limit VehicleZones::Look(const fleet::VehicleMemory& memory, const
           [&](const fleet::EnteredZone& each) { return each.zone_set_id == set && each.zone_id == zone.id; });
       Meeting meeting{.zone = zone, .set = set, .key = set + "/" + zone.id, .way = way};
       meeting.keeps = way == nullptr && !memory.nodes.empty();
-      meeting.is_inside = IsIn(outline, place.radius + (was_inside ? kLeft : 0.0), place.at);
+      meeting.is_inside = IsIn(outline, place.radius + (was_inside ? kLeaveMargin : 0.0), place.at);
       meeting.entry = EntryOf(outline, place.radius, way);
       sight.holds_unreachable = sight.holds_unreachable || (unreachable_ && unreachable_->zone == meeting.key);
       Heed(memory, place, meeting, sight, limit);
