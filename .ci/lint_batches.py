@@ -2,10 +2,12 @@
 
     lint_batches.py [--all] [--record] BUILD_FOLDER [FILES]      exit status 1 if there is a finding
 
-The file .ci/linted has a hash of each batch that had no finding: of its sources, all headers of the project that they
-include, its command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record
-the hashes are written, of the batches without a finding. It works without history, and a change of a header reaches all
-batches that include it. The first line of the record names gcc's version: by another one all batches are read again.
+The file .ci/linted has a hash of each batch that had no finding: of its sources, the headers that belong to it, its
+command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record the hashes are
+written, of the batches without a finding. A header belongs to the batches with sources from its folder that include it,
+or, without such a batch, to the shortest one that includes it: a change of a header that all sources include is read
+once and not a hundred times, and a finding of it in another batch waits for --all. The first line of the record names
+gcc's version: by another one all batches are read again.
 
 Tests are compiled by clang, users' programs often by gcc: an error or warning of gcc is a finding.
 
@@ -51,19 +53,24 @@ class Batch:
                         joined.write(line)
                         self.origins.append((source, number))
 
-    def hash(self, read, checks):
-        """Of all that decides on the findings but the system's headers. `read(path)`: a file's text, None without."""
+    def headers(self):
+        """The headers of the project that its sources include, in any depth, sorted."""
         folders = [ROOT, *re.findall(rf"-(?:I|isystem) *({re.escape(ROOT)}\S*)", self.compilation)]
-        found, open_files = {}, list(map(os.path.abspath, self.sources))
+        sources = list(map(os.path.abspath, self.sources))
+        found, open_files = set(), sources.copy()
         while open_files:
             file = open_files.pop()
             if file not in found:
-                found[file] = read(file)
-                for name in INCLUDED.findall(found[file]):
+                found.add(file)
+                for name in INCLUDED.findall(read_text(file)):
                     paths = [os.path.normpath(os.path.join(at, name)) for at in (os.path.dirname(file), *folders)]
-                    open_files += [path for path in paths if read(path) is not None][:1]
-        contents = (part for file in sorted(found) for part in (file, found[file]))
-        text = "\0".join([checks, self.compilation, *self.sources, *contents])
+                    open_files += [path for path in paths if read_text(path) is not None][:1]
+        return sorted(found - set(sources))
+
+    def hash(self, headers, checks):
+        """Of the checks, the command, the sources and `headers`."""
+        contents = (part for file in [*map(os.path.abspath, self.sources), *headers] for part in (file, read_text(file)))
+        text = "\0".join([checks, self.compilation, *contents])
         guard = re.sub(r"\W", "_", ROOT.upper())  # in headers that idlc has made
         return hashlib.sha256(text.replace(ROOT, "").replace(guard, "").encode()).hexdigest()[:32]
 
@@ -96,8 +103,26 @@ class Batch:
         return findings or ([f"{command[0]} failed on {self.path}\n{run.stderr or ''}"] if run.returncode else [])
 
 
+def headers_of(batches):
+    """The headers that belong to each batch: {batch: [path, ...]}, sorted."""
+    owners = {}
+    for batch in sorted(batches, key=lambda batch: (len(batch.origins), batch.sources)):
+        folders = {os.path.dirname(os.path.abspath(source)) for source in batch.sources}
+        for header in batch.headers():
+            if os.path.dirname(header) in folders:
+                owners.setdefault(header, ([], []))[0].append(batch)
+            else:
+                owners.setdefault(header, ([], []))[1].append(batch)
+    headers = {batch: [] for batch in batches}
+    for header, (neighbours, others) in sorted(owners.items()):
+        for batch in neighbours or others[:1]:
+            headers[batch].append(header)
+    return headers
+
+
 @functools.cache
 def read_text(path):
+    """None without a file."""
     if not os.path.isfile(path):
         return None
     with open(path, encoding="utf-8") as file:
@@ -135,7 +160,7 @@ def main():
     version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True, check=True).stdout
     checks = re.search(r"version \S+", version).group() + read_text(".clang-tidy")
     gcc = gcc_version()
-    hashes = {batch.hash(read_text, checks): batch for batch in batches}
+    hashes = {batch.hash(headers, checks): batch for batch, headers in headers_of(batches).items()}
     hash_of = {batch: hash_ for hash_, batch in hashes.items()}
     clean = read_record(gcc) & set(hashes)
     if selected:

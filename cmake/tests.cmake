@@ -53,14 +53,14 @@ endfunction()
 # PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
 # PROCESSORS: how many of the places for tests, six for each core, it takes. Labels: slow (not in scripts/test), process
 # (drives the programs), determinism (whole runs), threads (runs under the thread sanitizer too), addresses (under the
-# address sanitizer; all that have none of the first three have it). In a unity build the sources of a folder are
-# compiled together, up to 12 at a time.
+# address sanitizer in .ci/run; all of the group `ground` that have none of the first three have it). In a unity build
+# the sources of a folder are compiled together, up to 12 at a time.
 function(troupe_test name)
   cmake_parse_arguments(arg "" "GROUP;TIMEOUT;WAITS" "SOURCES;DEPENDS;LABELS;NEEDS;DEFINITIONS;PROPERTIES" ${ARGN})
   if(arg_WAITS)
     list(APPEND arg_PROPERTIES PROCESSORS 1 COST ${arg_WAITS})
   endif()
-  if(NOT arg_LABELS MATCHES "slow|process|determinism")
+  if(arg_GROUP STREQUAL "ground" AND NOT arg_LABELS MATCHES "slow|process|determinism")
     list(APPEND arg_LABELS addresses)
   endif()
   set(program ${arg_GROUP}_tests)
