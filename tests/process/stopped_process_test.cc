@@ -40,9 +40,18 @@ const std::string& ExpectedHashes() {
 class StoppedProcess : public testing::Test {
  protected:
   StoppedProcess()
-      : program_(RunPen({"--speed", "5", "--lease", "0.5", "--ticks", "100", "--on-agent-loss", "pause", "--hash-log",
-                         folder_.Path("hashes"), "--summary", folder_.Path("summary")})) {
+      : session_(TestSession("stopped")),
+        program_(RunPen({"--paused", "--speed", "5", "--lease", "0.5", "--ticks", "100", "--on-agent-loss", "pause",
+                         "--hash-log", folder_.Path("hashes"), "--summary", folder_.Path("summary"), "--session",
+                         session_})) {
     program_.WaitForLine("4 robots in 4 agent processes, ready");
+    // An agent that the service has accepted learns of that by its first frame: without one it would look for a
+    // service, and not miss one.
+    ControlClient client(NetworkOf(session_));
+    const Status found = client.WaitForService(kSeconds);
+    EXPECT_TRUE(found.ok()) << found.error().message;
+    EXPECT_TRUE(ValueOf(client.Call(control::Step{.ticks = 1}, kSeconds)).done);
+    EXPECT_TRUE(ValueOf(client.Call(control::Play(), kSeconds)).done);
   }
   // The agents have returned with the memory of their controllers.
   void ExpectTheHashesOfAnUndisturbedRun() {
@@ -53,6 +62,7 @@ class StoppedProcess : public testing::Test {
   }
 
   TemporaryFolder folder_;
+  const std::string session_;
   Program program_;
 };
 
