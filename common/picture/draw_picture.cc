@@ -9,6 +9,7 @@
 
 #include "common/base/source_text.h"
 #include "common/picture/canvas.h"
+#include "common/picture/heat_map.h"
 #include "common/picture/viewport.h"
 #include "common/picture/views.h"
 
@@ -179,7 +180,11 @@ Result<std::string> DrawPicture(const WorldDescription& world, const WorldState&
   const bool top = options.view == PictureView::kTop;
   if (!top && options.meters) KeepSlice(options, solids, extents);
   const Drawing drawing{world, state, fans, marks, solids, extents};
-  const Viewport viewport = MakeViewport(top ? TopContents(drawing) : SideContents(drawing), options);
+  Rectangle contents = top ? TopContents(drawing) : SideContents(drawing);
+  if (top && heat != nullptr) {
+    heat->ForEachCell([&](const Rectangle& cell, double) { contents.Extend(cell); });
+  }
+  const Viewport viewport = MakeViewport(contents, options);
   Canvas canvas(options.format, viewport.width, viewport.height);
   DrawGrid(canvas, viewport);
   canvas.ClipTo(viewport.plot);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <string>
 
+#include "common/base/source_text.h"
 #include "common/picture/heat_map.h"
 #include "common/picture/views.h"
 
@@ -39,6 +40,7 @@ std::string TimeText(double seconds) {
 void DrawHeat(Canvas& canvas, const Viewport& viewport, const HeatMap& heat) {
   const double most = heat.most();
   heat.ForEachCell([&](const Rectangle& cell, double seconds) {
+    if (!cell.Overlaps(viewport.region)) return;  // far from the page the numbers of Cairo overflow
     canvas.Fill(viewport.ToPage(cell), HeatColor(std::sqrt(seconds / most)));
   });
 }
@@ -52,11 +54,10 @@ void DrawHeatLegend(Canvas& canvas, const Viewport& viewport, const HeatMap& hea
   const double left = right - width;
   const double top = plot.min_y + 12.0 * u;
   const TextStyle style{10.0 * u, page::kText};
-  const char* const what = heat.kind() == HeatKind::kRobots   ? "robots"
-                           : heat.kind() == HeatKind::kPeople ? "people"
-                                                              : "waits";
-  char title[64];
-  std::snprintf(title, sizeof title, "time of %s in %.3g m x %.3g m", what, heat.cell(), heat.cell());
+  char size[64];
+  std::snprintf(size, sizeof size, " in %.3g m x %.3g m", heat.cell(), heat.cell());
+  std::string title = "time of " + std::string(NameOf(heat.kind())) + size;
+  if (heat.runs() != 1) title += ", " + CountText(heat.runs(), "run");
   const double text_width = std::max(width, canvas.TextWidth(title, style));
   canvas.Fill(Rectangle{right - text_width - 8.0 * u, top - 6.0 * u, right + 8.0 * u, top + 46.0 * u},
               WithOpacity(page::kPaper, 0.9));

@@ -79,7 +79,12 @@ Status CaseSession::LoadTest(const std::string& path) {
   ReportedTest reported = ReportOf(*test.file, CaseMonitors::Make(*test.file, loaded.world, loaded.regions).value());
   reported.cases = options_.search > 0 ? 0 : design.size();
   reported.shard = options_.shard;
-  report_.AddTest(reported);
+  if (options_.heat) {
+    reported.heat = test.file->heat();
+    report_.AddTest(reported, loaded.world);
+  } else {
+    report_.AddTest(reported);
+  }
   if (options_.search > 0) {
     if (const Status rare = design.CheckRandom(); !rare.ok()) return Error{{path}, rare.error().message};
     test.search.emplace(test.file->design());
@@ -268,6 +273,9 @@ void CaseSession::Report(const Job& job, CaseOutcome outcome, double seconds) {
     list.emplace(place, std::move(value));
     if (list.size() > most) list.erase(std::prev(list.end()));
   };
+  // Of a case that could not be run to its end nothing is counted, as of its metrics.
+  const std::vector<HeatMap> heat = std::exchange(outcome.heat, {});
+  if (outcome.verdict != CaseVerdict::kError) report_.AddHeat(job.test, heat);
   ReportedCase reported{job.number, job.kept, job.draws, std::move(outcome)};
   if (reported.outcome.verdict == CaseVerdict::kFailed) {
     ++test.failing_count;
@@ -324,8 +332,12 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
   const auto next = [&]() -> std::optional<std::string> {
     std::optional<Job> job = NextJob();
     if (!job) return std::nullopt;
-    std::string request =
-        json{{"kind", "run"}, {"test", job->test}, {"number", job->number}, {"case", CaseToJson(job->draws)}}.dump();
+    std::string request = json{{"kind", "run"},
+                               {"test", job->test},
+                               {"number", job->number},
+                               {"case", CaseToJson(job->draws)},
+                               {"heat", options_.heat && !job->kept}}
+                              .dump();
     jobs.emplace(request, std::move(*job));
     return request;
   };

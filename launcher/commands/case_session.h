@@ -44,6 +44,7 @@ struct CaseSessionOptions {
   bool keep_failing = true;  // reads and writes the files of failing cases, runs those first, and makes artifacts
   bool processes = false;    // each case is run by processes, too, and has to have the same hashes
   std::optional<double> case_timeout;      // s, of wall time, of a case; nothing: none but that of each tick
+  bool heat = false;                       // the report has the heat maps of the tests
   std::string folder;                      // of recordings and pictures; empty: none are made
   CaseDetail detail = CaseDetail::kCases;  // of the report
 };

@@ -103,10 +103,11 @@ Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::
 }
 
 // The histories of expectations of a case that passed are large and not shown: they are not sent.
-json Run(const CaseWorlds& worlds, const TestCase& draws, const std::filesystem::path& scratch,
-         const ProgressFunction& progress) {
+json Run(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& request,
+         const std::filesystem::path& scratch, const ProgressFunction& progress) {
   CaseRunOptions options;
   options.hashes = !scratch.empty();
+  options.heat = request.Get<bool>("heat");
   options.progress = progress;
   CaseOutcome outcome = RunCase(worlds, draws, options);
   const std::vector<std::uint64_t> hashes = std::exchange(outcome.hashes, {});
@@ -185,7 +186,7 @@ json PerformCaseWork(const CaseWorlds& worlds, const JsonReader& request, const 
   const TestCase draws = ReadCase(request.Find("case").value());
   if (kind == "shrink") return Shrink(worlds, draws, request, progress);
   if (kind == "keep") return Keep(worlds, draws, request, folder, progress);
-  return Run(worlds, draws, folder, progress);
+  return Run(worlds, draws, request, folder, progress);
 }
 
 }  // namespace troupe

@@ -265,6 +265,9 @@ int CheckTest(const std::string& file) {
     const std::string unit = metric.unit().empty() ? "" : " (" + metric.unit() + ")";
     lines.push_back(fmt::format("  metric {}{}: {}", test.metrics()[i].name, unit, metric.formula()));
   }
+  for (const HeatKind kind : test.heat().kinds) {
+    lines.push_back(fmt::format("  heat {0}: cells of {1} m x {1} m", NameOf(kind), test.heat().cell));
+  }
   for (const std::string& line : lines) PrintPlain(stdout, "{}\n", line);
   fmt::print("{}", DescribeWorld(loaded));
   return kExitDone;

@@ -65,6 +65,7 @@ Result<CaseSessionOptions> SessionOptions(const TestArguments& arguments) {
   options.shrink = !arguments.no_shrink;
   options.processes = arguments.processes;
   options.case_timeout = arguments.case_timeout;
+  options.heat = !arguments.report.empty();
   // A case that is repeated leaves no files that were not asked for.
   if (!arguments.report.empty() || arguments.fixed.empty()) options.folder = FolderOf(arguments);
   return options;
@@ -79,7 +80,8 @@ std::vector<OutputName> OutputsOf(const TestArguments& arguments) {
   std::error_code failure;
   for (const auto& entry : std::filesystem::directory_iterator(folder, failure)) {
     const std::string ending = entry.path().extension().string();
-    if (ending == ".csv" || ending == ".svg") outputs.push_back({"the report", entry.path().string()});
+    if (ending == ".csv" || ending == ".svg" || ending == ".png")
+      outputs.push_back({"the report", entry.path().string()});
   }
   return outputs;
 }
@@ -125,7 +127,7 @@ std::vector<NamedRegion> RegionsFor(const TestFile& test, const RecordedRun& run
 // Adds a test, and its outcome on a recording, to the report.
 // The expectations see each recorded state once, as they would in a run. An edit changes the world under them, which no
 // expectation could interpret.
-Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path, CaseReport& report) {
+Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path, CaseReport& report, bool with_heat) {
   const Result<Recording> recording = OpenToReplay(path);
   if (!recording.ok()) return recording.error();
   const RecordedRun& run = recording.value().run();
@@ -138,9 +140,14 @@ Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path,
             fmt::format("found an edit of the world at tick {}, expected a run without edits", edit.before.state.tick)};
       });
   if (!unedited.ok()) return unedited.error();
+  std::vector<HeatMap> heat;
+  if (with_heat) heat = test.heat().EmptyMaps();
   ReplayOptions options;
   options.on_state = [&](const ReplayedWorld& world, const RecordedTick& tick) {
     const bool is_first = tick.number == 0;
+    if (!is_first) {
+      for (HeatMap& map : heat) map.Add(world.world(), world.state());
+    }
     const TickView view{*world.scene(), world.bodies(), world.state(),
                         is_first ? std::span<const Event>() : tick.events};
     return monitors.value().Push(view);
@@ -158,7 +165,9 @@ Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path,
   ReportedTest reported = ReportOf(test, monitors.value());
   reported.vary.clear();
   reported.cases = 1;
-  report.AddTest(reported);
+  if (with_heat) reported.heat = test.heat();
+  report.AddTest(reported, run.world);
+  report.AddHeat(report.size() - 1, heat);
   return outcome;
 }
 
@@ -194,7 +203,7 @@ int TestOnRecording(const TestArguments& arguments) {
   if (!outputs.ok()) return Fail(outputs.error());
   CaseReport report;
   for (std::size_t i = 0; i < tests.size(); ++i) {
-    Result<CaseOutcome> outcome = TestRecording(tests[i], arguments.recording, report);
+    Result<CaseOutcome> outcome = TestRecording(tests[i], arguments.recording, report, !arguments.report.empty());
     if (!outcome.ok()) return Fail(outcome.error());
     PrintOutcome(tests[i], outcome.value());
     ReportedCase reported{0, false, {}, std::move(outcome).value()};

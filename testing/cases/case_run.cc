@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robot-agent/controller/create_controller.h"
+#include "testing/cases/heat_json.h"
 #include "troupe/world_description.h"
 
 namespace troupe {
@@ -100,17 +101,19 @@ json ToJson(const CaseOutcome& outcome) {
   json metrics = json::array();
   for (const std::optional<double>& metric : outcome.metrics)
     metrics.push_back(metric ? NumberToJson(*metric) : json(nullptr));
-  return {{"verdict", NameOf(outcome.verdict)},
-          {"error", outcome.error},
-          {"decided", outcome.decided},
-          {"ticks", outcome.ticks},
-          {"state_hash", fmt::format("{:016x}", outcome.state_hash)},
-          {"tick_seconds", outcome.tick_seconds},
-          {"expectations", std::move(expectations)},
-          {"covered", outcome.covered},
-          {"metrics", std::move(metrics)},
-          {"undefined", outcome.undefined},
-          {"hashes", outcome.hashes}};
+  json whole = {{"verdict", NameOf(outcome.verdict)},
+                {"error", outcome.error},
+                {"decided", outcome.decided},
+                {"ticks", outcome.ticks},
+                {"state_hash", fmt::format("{:016x}", outcome.state_hash)},
+                {"tick_seconds", outcome.tick_seconds},
+                {"expectations", std::move(expectations)},
+                {"covered", outcome.covered},
+                {"metrics", std::move(metrics)},
+                {"undefined", outcome.undefined},
+                {"hashes", outcome.hashes}};
+  if (!outcome.heat.empty()) whole["heat"] = ToJson(outcome.heat);
+  return whole;
 }
 
 CaseOutcome ReadOutcome(const JsonReader& reader) {
@@ -140,6 +143,7 @@ CaseOutcome ReadOutcome(const JsonReader& reader) {
   outcome.metrics = ReadMetrics(reader);
   outcome.undefined = reader.Get<std::vector<std::uint64_t>>("undefined");
   outcome.hashes = reader.Get<std::vector<std::uint64_t>>("hashes");
+  if (const auto heat = reader.Find("heat")) outcome.heat = ReadHeatMaps(*heat);
   return outcome;
 }
 
@@ -254,6 +258,7 @@ CaseOutcome Simulate(const CaseWorlds& worlds, LoadedWorld loaded, const CaseRun
   if (!made.ok()) return ErrorOutcome(made.error().ToString());
   CaseMonitors& monitors = made.value();
   CaseOutcome outcome;
+  if (options.heat) outcome.heat = worlds.test().heat().EmptyMaps();
   for (;;) {
     if (options.progress) options.progress(WorkProgress::kStep);
     // Tick 0 is judged, too: a world can violate an expectation before anything moves.
@@ -269,6 +274,7 @@ CaseOutcome Simulate(const CaseWorlds& worlds, LoadedWorld loaded, const CaseRun
     if (simulation.tick() >= ticks || (options.only && monitors.decided())) break;
     simulation.Step();
     if (!simulation.failures().empty()) return ErrorOutcome(simulation.failures().front());
+    for (HeatMap& map : outcome.heat) map.Add(simulation.world(), simulation.state());
   }
   outcome.ticks = simulation.tick();
   outcome.state_hash = simulation.state_hash();

@@ -65,6 +65,7 @@ struct CaseOutcome {
   std::vector<std::optional<double>> metrics;    // as above; nothing: it does not exist in this run
   std::vector<std::uint64_t> undefined;          // as above: values of ticks that were no numbers; empty: none was
   std::vector<std::uint64_t> hashes;             // of each state, if CaseRunOptions asks for them
+  std::vector<HeatMap> heat = {};                // of the test, if CaseRunOptions asks for them
 
   bool operator==(const CaseOutcome&) const = default;
 };
@@ -100,6 +101,7 @@ struct CaseRunOptions {
   // Monitors this expectation alone, and ends when its verdict is known: for shrinking. Nothing: all clauses.
   std::optional<std::size_t> only = {};
   bool hashes = false;  // keeps them in the outcome
+  bool heat = false;    // fills the heat maps of the test
   // Saves a picture of this tick, at which the run ends. The verdict is kError if it cannot be saved.
   struct Picture {
     Tick tick = 0;

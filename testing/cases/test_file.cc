@@ -18,8 +18,8 @@ namespace troupe {
 namespace {
 
 // Keys that a test of another scenario may have.
-const std::set<std::string> kKeysOfTests = {"$schema", "scenario", "name",   "seed",  "ticks",  "vary",
-                                            "where",   "design",   "expect", "cover", "metrics"};
+const std::set<std::string> kKeysOfTests = {"$schema", "scenario", "name",   "seed",  "ticks",   "vary",
+                                            "where",   "design",   "expect", "cover", "metrics", "heat"};
 
 // The offset in a JSON string's bytes, with its quotes, of byte `index` of the text that it stands for.
 std::size_t OffsetInString(std::string_view quoted, std::size_t index) {
@@ -62,6 +62,12 @@ Result<DesignSettings> ReadDesignSettings(const JsonTree& tree, const JsonNode* 
 }
 
 }  // namespace
+
+std::vector<HeatMap> TestHeat::EmptyMaps() const {
+  std::vector<HeatMap> maps;
+  for (const HeatKind kind : kinds) maps.emplace_back(kind, cell);
+  return maps;
+}
 
 Result<TestFile> TestFile::Read(const std::string& path, const TestCase& fixed) {
   TestFile test;
@@ -108,6 +114,7 @@ Result<TestFile> TestFile::Read(const std::string& path, const TestCase& fixed) 
     test.scenario_ = own;
   }
   if (Status error = test.ReadClauses(tree); !error.ok()) return error.error();
+  if (Status error = test.ReadHeat(tree); !error.ok()) return error.error();
   if (Status error = test.ReadDesign(tree, fixed); !error.ok()) return error.error();
   return test;
 }
@@ -137,6 +144,20 @@ Status TestFile::ReadClauses(const JsonTree& tree) {
   }
   if (expect_.empty() && cover_.empty() && metrics_.empty()) {
     return tree.ErrorAt(root, "found none of 'expect', 'cover' and 'metrics', expected at least one in a test");
+  }
+  return {};
+}
+
+Status TestFile::ReadHeat(const JsonTree& tree) {
+  const JsonNode* const heat = tree.root().Find("heat");
+  if (heat == nullptr) return {};
+  if (heat->is_object()) heat->Read("cell", heat_.cell);
+  for (const JsonNode& entry : (heat->is_object() ? heat->Member("of") : *heat).items) {
+    const HeatKind kind = FindByName<HeatKind>(entry.text).value();
+    if (std::find(heat_.kinds.begin(), heat_.kinds.end(), kind) != heat_.kinds.end()) {
+      return tree.ErrorAt(entry, fmt::format("found {} again, expected each map once", Quoted(entry.text)));
+    }
+    heat_.kinds.push_back(kind);
   }
   return {};
 }

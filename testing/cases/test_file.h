@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/base/json_tree.h"
+#include "common/picture/heat_map.h"
 #include "testing/cases/case_design.h"
 #include "testing/cases/value_path.h"
 #include "troupe/result.h"
@@ -25,6 +26,15 @@ struct TestClause {
   std::string name;  // of an entry without one: its text
   std::string text;  // of the language of expectations
   TextSpan span;     // of the text in the file, with its quotes
+};
+
+// `heat`: the heat maps of a report.
+struct TestHeat {
+  std::vector<HeatKind> kinds;  // each once
+  double cell = HeatMap::kDefaultCell;
+
+  std::vector<HeatMap> EmptyMaps() const;
+  bool operator==(const TestHeat&) const = default;
 };
 
 class TestFile {
@@ -42,6 +52,7 @@ class TestFile {
   const std::vector<TestClause>& expect() const { return expect_; }
   const std::vector<TestClause>& cover() const { return cover_; }
   const std::vector<TestClause>& metrics() const { return metrics_; }
+  const TestHeat& heat() const { return heat_; }
 
   // The draws of a case and those that all cases have: what replaces values of the scenario.
   TestCase WithCommon(const TestCase& draws) const;
@@ -60,6 +71,7 @@ class TestFile {
  private:
   TestFile() = default;
   Status ReadClauses(const JsonTree& tree);
+  Status ReadHeat(const JsonTree& tree);
   Status ReadDesign(const JsonTree& tree, const TestCase& fixed);
   // `vary`.
   Result<std::vector<Variation>> ReadVariations(const JsonTree& tree) const;
@@ -78,6 +90,7 @@ class TestFile {
   std::vector<TestClause> expect_;
   std::vector<TestClause> cover_;
   std::vector<TestClause> metrics_;
+  TestHeat heat_;
 };
 
 // The tests that a command line names, each once: files, and in folders all *.test.json, at any depth, by name.

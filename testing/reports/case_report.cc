@@ -51,11 +51,12 @@ std::vector<std::string> Problems(const ReportedTest& test, const ReportedCase& 
 Result<ReportedTest> ReadTest(const JsonReader& reader) {
   using Texts = std::vector<std::string>;
   const auto shard = reader.Get<std::string>("shard");
-  const ReportedTest test = {reader.Get<std::string>("test"),    reader.Get<std::string>("name"),
-                             reader.Get<Texts>("vary"),          reader.Get<Texts>("expect"),
-                             reader.Get<Texts>("formulas"),      reader.Get<Texts>("cover"),
-                             reader.Get<Texts>("metrics"),       reader.Get<Texts>("units"),
-                             reader.Get<std::uint64_t>("cases"), ParseShard(shard).value_or(Shard())};
+  ReportedTest test = {reader.Get<std::string>("test"),    reader.Get<std::string>("name"),
+                       reader.Get<Texts>("vary"),          reader.Get<Texts>("expect"),
+                       reader.Get<Texts>("formulas"),      reader.Get<Texts>("cover"),
+                       reader.Get<Texts>("metrics"),       reader.Get<Texts>("units"),
+                       reader.Get<std::uint64_t>("cases"), ParseShard(shard).value_or(Shard())};
+  if (const auto heat = reader.Find("heat")) test.heat = ReadTestHeat(*heat);  // only tests with heat maps have it
   if (!reader.ok()) return reader.status().error();
   if (!ParseShard(shard)) return BadInput("found the shard " + Quoted(shard) + ", expected I/N, for instance 2/4");
   return test;
@@ -114,11 +115,13 @@ ReportedTest ReportOf(const TestFile& test, const CaseMonitors& monitors) {
 }
 
 json ToJson(const ReportedTest& test) {
-  return {{"test", test.path},         {"name", test.name},
-          {"vary", test.vary},         {"expect", test.expect},
-          {"formulas", test.formulas}, {"cover", test.cover},
-          {"metrics", test.metrics},   {"units", test.units},
-          {"cases", test.cases},       {"shard", test.shard.ToString()}};
+  json line = {{"test", test.path},         {"name", test.name},
+               {"vary", test.vary},         {"expect", test.expect},
+               {"formulas", test.formulas}, {"cover", test.cover},
+               {"metrics", test.metrics},   {"units", test.units},
+               {"cases", test.cases},       {"shard", test.shard.ToString()}};
+  if (!test.heat.kinds.empty()) line["heat"] = ToJson(test.heat);
+  return line;
 }
 
 json ToJson(const ReportedCase& reported) {
@@ -147,6 +150,16 @@ std::vector<std::string> FaultLines(const ReportedTest& test, const ReportedCase
 
 void CaseReport::AddTest(const ReportedTest& test) {
   entries_.push_back({test});
+  entries_.back().heat = HeatSection(test.heat);
+}
+
+void CaseReport::AddTest(const ReportedTest& test, const WorldDescription& world) {
+  AddTest(test);
+  if (!test.heat.kinds.empty()) entries_.back().heat.SetWorld(world);
+}
+
+void CaseReport::AddHeat(std::size_t test, const std::vector<HeatMap>& maps) {
+  entries_[test].heat.Add(maps);
 }
 
 // Rows are kept only for a report: a session of millions of cases otherwise needs memory for its counts alone.
@@ -209,6 +222,11 @@ std::string CaseReport::Lines() const {
   std::string lines;
   for (const Entry& entry : entries_) {
     lines += JsonText(ToJson(entry.test)) + "\n";
+    if (!entry.heat.empty()) {
+      json heat = ToJson(entry.heat);
+      heat["test"] = entry.test.path;
+      lines += JsonText(heat) + "\n";
+    }
     for (const auto& [number, row] : entry.rows) {
       json robustness = json::array();
       for (const double each : row.robustness) robustness.push_back(NumberToJson(each));
@@ -289,6 +307,10 @@ Status CaseReport::FinishMerge() {
       return BadInput(fmt::format("found {} of the {} cases of {}, expected all", cases, entry.test.cases,
                                   Quoted(entry.test.path, kMaxPathShown)));
     }
+    if (!entry.heat.empty() && entry.heat.merged() != entry.test.shard.count) {
+      return BadInput(fmt::format("found heat maps of {} of the {} shards of {}, expected those of all",
+                                  entry.heat.merged(), entry.test.shard.count, Quoted(entry.test.path, kMaxPathShown)));
+    }
     entry.test.shard = {};
   }
   return {};
@@ -319,7 +341,7 @@ Status CaseReport::AddTestOf(const ReportedTest& test) {
 }
 
 Status CaseReport::AddLine(const JsonReader& reader, const std::filesystem::path& folder) {
-  if (!reader.Has("number")) {
+  if (!reader.Has("number") && !reader.Has("heat_maps")) {
     const Result<ReportedTest> test = ReadTest(reader);
     return test.ok() ? AddTestOf(test.value()) : test.error();
   }
@@ -327,6 +349,7 @@ Status CaseReport::AddLine(const JsonReader& reader, const std::filesystem::path
   const auto entry =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == path; });
   if (entry == entries_.end()) return BadInput("found a case of an unknown test, expected its test before it");
+  if (reader.Has("heat_maps")) return entry->heat.Merge(reader);
   const std::optional<JsonReader> fault = reader.Find("fault");
   ReportedCase reported = fault ? ReadFault(*fault, folder) : ReportedCase{};
   if (!fault) reported.outcome = ReadPassed(reader);
@@ -420,6 +443,18 @@ std::string CaseReport::JUnit(const std::filesystem::path& report) const {
       tests, total(CaseVerdict::kFailed), total(CaseVerdict::kError), suites);
 }
 
+std::vector<std::string> CaseReport::FileNames() const {
+  std::vector<std::string> tests;
+  for (const Entry& entry : entries_) tests.push_back(entry.test.path);
+  return FileNamesOf(tests);
+}
+
+// The cases that have run to their ends.
+std::uint64_t CaseReport::RunsOfHeat(const Entry& entry) {
+  return entry.counts[static_cast<std::size_t>(CaseVerdict::kPassed)] +
+         entry.counts[static_cast<std::size_t>(CaseVerdict::kFailed)];
+}
+
 // The page is last: if it is there, the files that it links to are.
 Status CaseReport::Write(const std::string& folder) const {
   std::error_code failure;
@@ -432,14 +467,18 @@ Status CaseReport::Write(const std::string& folder) const {
     return Error{{(base / name).string()}, "cannot write: " + status.error().message, ErrorCode::kOutputFailed};
   };
   if (Status error = write("cases.jsonl", Lines()); !error.ok()) return error;
-  std::vector<std::string> tests;
-  for (const Entry& entry : entries_) tests.push_back(entry.test.path);
-  const std::vector<std::string> names = FileNamesOf(tests);
+  const std::vector<std::string> names = FileNames();
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const std::string csv = entries_.size() == 1 ? "cases.csv" : names[i] + ".csv";
     if (Status error = write(csv, Csv(entries_[i])); !error.ok()) return error;
     for (const auto& [name, svg] : Plots(entries_[i])) {
       if (Status error = write(names[i] + name, svg); !error.ok()) return error;
+    }
+    const HeatSection& heat = entries_[i].heat;
+    for (const HeatMap& map : heat.maps()) {
+      const Result<std::string> png = heat.Draw(map, RunsOfHeat(entries_[i]));
+      if (!png.ok()) return png.error();
+      if (Status error = write(names[i] + HeatSection::FileName(map), png.value()); !error.ok()) return error;
     }
   }
   return write("index.html", Page());

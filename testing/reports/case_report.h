@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "testing/cases/case_run.h"
+#include "testing/reports/heat_section.h"
 #include "testing/reports/statistics.h"
 #include "troupe/result.h"
 
@@ -37,6 +38,7 @@ struct ReportedTest {
   std::vector<std::string> units;  // of the metrics
   std::uint64_t cases = 0;         // of its design, in all shards; 0: a search, whose cases are none of it
   Shard shard = {};
+  TestHeat heat = {};
 
   bool operator==(const ReportedTest&) const = default;
 };
@@ -74,8 +76,12 @@ class CaseReport {
 
   // The tests in their order; cases of each are added in any order, each once, and reported by number.
   void AddTest(const ReportedTest& test);
+  // The same of a test with heat maps, which are drawn in this world.
+  void AddTest(const ReportedTest& test, const WorldDescription& world);
   // `test`: its index. `seconds`: wall time of the case; nothing: unknown.
   void AddCase(std::size_t test, ReportedCase reported, std::optional<double> seconds = {});
+  // The heat maps of a case of the design or of a search; none: the test has none.
+  void AddHeat(std::size_t test, const std::vector<HeatMap>& maps);
   // Replaces a case that was added, did not pass, and has been examined since.
   void UpdateFault(std::size_t test, const ReportedCase& reported);
   // Adds the tests and cases of the report in a folder, for a report in the folder `into`. The error: a report that is
@@ -84,6 +90,7 @@ class CaseReport {
   // After the last one. The error names the shards and cases that are missing.
   Status FinishMerge();
 
+  std::size_t size() const { return entries_.size(); }  // tests
   const ReportedTest& test(std::size_t i) const { return entries_[i].test; }
   // Cases of the designs, and those that were kept beside them.
   std::uint64_t Count(CaseVerdict verdict) const;
@@ -96,8 +103,8 @@ class CaseReport {
   // One suite for each test; failures and errors apart. Valid by the schema of Jenkins' plugin xunit (junit-10.xsd),
   // which allows less than others. `report`: the folder of the report, for the names of files.
   std::string JUnit(const std::filesystem::path& report) const;
-  // Writes cases.jsonl, cases.csv, index.html and plots (*.svg) into a folder, which is made. Tables and plots have the
-  // cases of the design alone.
+  // Writes cases.jsonl, cases.csv, index.html, plots (*.svg) and heat maps (*.png) into a folder, which is made.
+  // Tables, plots and heat maps have the cases of the design alone.
   Status Write(const std::string& folder) const;
 
  private:
@@ -122,7 +129,8 @@ class CaseReport {
     std::vector<bool> covered = {};                     // by any case
     std::map<std::uint64_t, Row> rows = {};             // by number
     std::map<std::uint64_t, ReportedCase> faults = {};  // that failed or could not be run, whole
-    std::set<std::uint64_t> shards = {};                // merged: their indices
+    HeatSection heat = {};
+    std::set<std::uint64_t> shards = {};  // merged: their indices
   };
   static std::uint64_t Sum(const Counts& counts);
 
@@ -130,7 +138,10 @@ class CaseReport {
   std::string Lines() const;
   std::string Csv(const Entry& entry) const;
   std::string Page() const;
-  std::string PageOf(const Entry& entry) const;
+  // `name`: of its files.
+  std::string PageOf(const Entry& entry, const std::string& name) const;
+  std::vector<std::string> FileNames() const;  // of the tests
+  static std::uint64_t RunsOfHeat(const Entry& entry);
   static std::string MetricTable(const Entry& entry, std::size_t metric);
   // File names, behind the name of the test, and SVG.
   static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/source_text.h"
 #include "common/base/xml_text.h"
 #include "testing/reports/case_report.h"
 #include "testing/reports/svg_plot.h"
@@ -38,6 +39,7 @@ code{background:var(--side);padding:.1em .3em;overflow-wrap:anywhere}
 .passed{color:var(--passed)}.failed{color:var(--failed)}.error{color:var(--error)}.not-run{color:var(--not-run)}
 .grid span{display:inline-block;width:10px;height:10px;margin:1px;background:currentColor}
 .plots{display:flex;flex-wrap:wrap;gap:12px}
+figure{margin:0}figcaption{font-size:.9em}
 details{border:1px solid var(--line);padding:.4em .8em;margin:.6em 0}summary{cursor:pointer}img,svg{max-width:100%;height:auto})";
 
 // A table that is wider than a phone moves in its own place.
@@ -80,6 +82,18 @@ std::string LinkTo(const std::string& file) {
     link += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return link;
+}
+
+// A file of its own, as the pictures of faults: a build server may show no picture that is in the page.
+std::string HeatFigure(const HeatMap& map, const std::string& name, std::uint64_t runs) {
+  const char* const what = map.kind() == HeatKind::kRobots   ? "Where robots were"
+                           : map.kind() == HeatKind::kPeople ? "Where people were"
+                                                             : "Where robots waited";
+  const std::string file = LinkTo(name + HeatSection::FileName(map));
+  const std::string text = fmt::format("{} in {}, in the world of the first case", what, CountText(runs, "run"));
+  return fmt::format(
+      "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" width=\"840\"></a><figcaption>{1}</figcaption></figure>\n",
+      file, text);
 }
 
 // Everything that a reader needs to repeat the fault: case, command, recording, picture, course of the robustness.
@@ -208,7 +222,7 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
 }
 
 // The least robustness tells how near a test that passes is to failing.
-std::string CaseReport::PageOf(const Entry& entry) const {
+std::string CaseReport::PageOf(const Entry& entry, const std::string& name) const {
   const ReportedTest& test = entry.test;
   const std::uint64_t kept = Sum(entry.kept_counts);
   const std::uint64_t count = Sum(entry.counts);
@@ -219,7 +233,8 @@ std::string CaseReport::PageOf(const Entry& entry) const {
                   kept > 0 ? fmt::format(", and {} kept case{}", kept, kept == 1 ? "" : "s") : "");
   // What one looks for first: the plots, as those of a sweep, or the cases that did not pass.
   std::string plots;
-  for (const auto& [name, svg] : Plots(entry)) plots += svg;
+  for (const auto& [file, svg] : Plots(entry)) plots += svg;
+  for (const HeatMap& map : entry.heat.maps()) plots += HeatFigure(map, name, RunsOfHeat(entry));
   if (!plots.empty()) plots = "<div class=\"plots\">\n" + plots + "</div>\n";
   if (entry.faults.empty()) html += std::exchange(plots, "");
   if (!test.expect.empty()) {
@@ -302,7 +317,8 @@ std::string CaseReport::Page() const {
     html += "</small>";
   }
   html += "</h1>\n";
-  for (const Entry& entry : entries_) html += PageOf(entry);
+  const std::vector<std::string> names = FileNames();
+  for (std::size_t i = 0; i < entries_.size(); ++i) html += PageOf(entries_[i], names[i]);
   return html + "</main></body></html>\n";
 }
 

@@ -6,6 +6,7 @@ import time
 
 import live
 from rows import TICKS
+from worlds import HEAT
 
 
 def of_cases(function):
@@ -58,6 +59,7 @@ def sweep(program, output, mode):
         return "none: cases of troupe sweep run in one process"
     program.run("sweep", output.test, *mode.test, "-o", output.path(".sweep"))
     assert (output.path(".sweep") / "index.html").exists()
+    assert len(list(output.path(".sweep").glob("*-heat-*.png"))) == len(HEAT)
 
 
 @of_cases
@@ -71,6 +73,7 @@ def shard(program, output, mode):
         program.run("sweep", output.test, *mode.test, "--shard", f"{i + 1}/2", "-o", half)
     program.run("sweep", "--merge", *halves, "-o", output.path(".whole"))
     assert (output.path(".whole") / "index.html").exists()
+    assert len(list(output.path(".whole").glob("*-heat-*.png"))) == len(HEAT)
     return None
 
 

@@ -66,6 +66,8 @@ occupied_thresh: 0.65
 free_thresh: 0.25
 """
 
+HEAT = ["robots", "people", "waits"]
+
 
 def scenario(things):
     """A scenario of these things: the lists of their parts are joined."""
@@ -82,7 +84,7 @@ def test_of(things, **more):
     """A test of these things, whose expectations hold because they are there."""
     expect = [{"name": thing.name, "that": thing.holds} for thing in things if thing.holds]
     return scenario(things) | {"expect": expect, "vary": {"seed": {"values": [5]}},
-                               "metrics": {"robots": "count(robots)"}} | more
+                               "metrics": {"robots": "count(robots)"}, "heat": HEAT} | more
 
 
 def base_of(source):
@@ -96,7 +98,7 @@ def test_of_file(source):
         return test_of(THINGS)
     world = {} if source.name == "recording" else {"world": source.file}
     return {**world, "ticks": TICKS, "expect": [{"name": "it runs", "that": "always count(robots) >= 0"}],
-            "vary": {"seed": {"values": [5, 6]}}, "metrics": {"robots": "count(robots)"}}
+            "vary": {"seed": {"values": [5, 6]}}, "metrics": {"robots": "count(robots)"}, "heat": HEAT}
 
 
 def write(folder, name, things):

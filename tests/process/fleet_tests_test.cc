@@ -34,8 +34,8 @@ constexpr const char* kRow = R"JSON({
     {"name": "moves", "that": "forall r: eventually x(r) > 0.1 m"}
   ],
   "cover": [{"name": "far", "that": "exists r: eventually x(r) > 4 m"}],
-  "metrics": {"farthest": "max of x(r)"
-}
+  "metrics": {"farthest": "max of x(r)"},
+  "heat": ["robots", "waits"]
 })JSON";
 
 struct Tested {
@@ -236,7 +236,12 @@ TEST_F(FleetTests, SameVerdictsAndHashesWithAnyJobsShardsAndProcesses) {
   EXPECT_EQ(LinesOf(csv).size(), 10U);
   for (const char* const name : {"two", "merged"})
     EXPECT_EQ(folder_.Read(std::string(name) + "/cases.csv"), csv) << name;
-  EXPECT_EQ(folder_.Read("merged/index.html"), folder_.Read("whole/index.html"));
+  for (const char* const file : {"index.html", "cases.jsonl", "row-heat-robots.png", "row-heat-waits.png"}) {
+    const std::string whole = folder_.Read(std::string("whole/") + file);
+    EXPECT_NE(whole, "") << file;
+    EXPECT_EQ(folder_.Read(std::string("merged/") + file), whole) << file;
+    EXPECT_EQ(folder_.Read(std::string("two/") + file), whole) << file;
+  }
   const Tested half = Run({"sweep", "--merge", folder_ / "b", "-o", folder_ / "half"});
   EXPECT_EQ(half.exit_status, 2);
   EXPECT_THAT(half.output, HasSubstr("error: found no shard 1/2 of '" + test_ + "', expected all"));
@@ -248,6 +253,50 @@ TEST_F(FleetTests, SameVerdictsAndHashesWithAnyJobsShardsAndProcesses) {
   EXPECT_THAT(folder_.Read("m.xml"), HasSubstr("<testsuites tests=\"9\" failures=\"3\" errors=\"0\">"));
   const Tested processes = Run({"test", test_, "--processes", "--case", "seed=2", "--no-shrink", "--report", report_});
   EXPECT_THAT(processes.output, HasSubstr("2 passed, 1 failed, 0 errors")) << processes.output;
+}
+
+// The ticks in the cells of the first heat map of a report.
+std::uint64_t TicksOfHeat(const std::string& jsonl) {
+  std::uint64_t ticks = 0;
+  for (const std::string& line : LinesOf(jsonl)) {
+    const nlohmann::json row = nlohmann::json::parse(line);
+    if (!row.contains("heat_maps")) continue;
+    const nlohmann::json& cells = row.at("heat_maps").at(0).at("cells");
+    for (std::size_t i = 2; i < cells.size(); i += 3) ticks += cells.at(i).get<std::uint64_t>();
+  }
+  return ticks;
+}
+
+TEST_F(FleetTests, DrawWhereRobotsWereInAllCases) {
+  EXPECT_THAT(Run({"check", test_}).output, HasSubstr("\n  heat robots: cells of 0.5 m x 0.5 m\n"));
+  Run({"sweep", test_, "-o", report_});
+  EXPECT_EQ(TicksOfHeat(TextOf(report_ + "/cases.jsonl")), 9U * 60U * 6U) << "cases, ticks and robots";
+  EXPECT_EQ(TextOf(report_ + "/row-heat-robots.png").substr(1, 3), "PNG");
+  EXPECT_THAT(TextOf(report_ + "/index.html"),
+              AllOf(HasSubstr("<img src=\"row-heat-robots.png\""), HasSubstr("Where robots waited in 9 runs")));
+  // A recording is the only case.
+  const std::string recording = folder_ / "run.mcap";
+  Run({"run", test_, "--in-process", "--headless", "--no-ros", "--ticks", "20", "--record", recording});
+  Run({"test", test_, "--on", recording, "--report", folder_ / "on"});
+  EXPECT_EQ(TicksOfHeat(folder_.Read("on/cases.jsonl")), 20U * 6U);
+  EXPECT_THAT(folder_.Read("on/index.html"), HasSubstr("Where robots were in 1 run,"));
+  // Nothing is counted without the key.
+  std::string text = kRow;
+  text.replace(text.find(",\n  \"heat\""), std::string(",\n  \"heat\": [\"robots\", \"waits\"]").size(), "");
+  folder_.Write("row.test.json", text);
+  Run({"sweep", test_, "-o", folder_ / "without"});
+  EXPECT_THAT(folder_.Read("without/cases.jsonl"), Not(HasSubstr("heat")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "without/row-heat-robots.png"));
+}
+
+TEST_F(FleetTests, CountNothingOfCasesThatCouldNotBeRun) {
+  const std::string path = folder_.Write("bad.test.json", R"({"ticks": 7,
+    "robots": [{"name": "a", "model": "position"}], "vary": {"robots[a].model": ["position", "none"]},
+    "expect": ["tick < 9"], "heat": {"of": ["robots"], "cell": 2}})");
+  EXPECT_EQ(Run({"sweep", path, "-o", report_}).exit_status, 3);
+  EXPECT_EQ(TicksOfHeat(TextOf(report_ + "/cases.jsonl")), 7U);
+  EXPECT_THAT(TextOf(report_ + "/cases.jsonl"), HasSubstr("\"cell\":2.0"));
+  EXPECT_THAT(TextOf(report_ + "/index.html"), HasSubstr("Where robots were in 1 run,"));
 }
 
 class SearchTests : public FleetTests {
@@ -292,6 +341,8 @@ TEST_F(SearchTests, RunWholeCasesOnly) {
   const Tested tested = Run(
       {"test", path, "--search", "20", "--report", report_, "--jobs", "2", "--no-shrink", "--junit", folder_ / "j"});
   EXPECT_THAT(tested.output, HasSubstr("kept cases: 1 passed, 0 failed")) << tested.output;
+  const std::string jsonl = TextOf(report_ + "/cases.jsonl");
+  EXPECT_EQ(TicksOfHeat(jsonl), (LinesOf(CasesIn(jsonl)).size() - 1) * 60 * 6) << "of the search alone";
   EXPECT_THAT(TextOf(report_ + "/cases.jsonl"), AllOf(Not(HasSubstr("without")), Not(HasSubstr("\"ticks\":2,"))));
   EXPECT_THAT(folder_.Read("j"), AllOf(HasSubstr("kept: seed=1"), Not(HasSubstr("ticks="))));
 }

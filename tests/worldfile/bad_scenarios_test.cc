@@ -81,7 +81,7 @@ const BadScenario kAgainstTheSchema[] = {
     {"NoObject", "[1, 2]", ":1:1: found an array of 2, expected an object with the keys of a scenario"},
     {"UnknownKey", Quoted("{'wolrd': 'office.world'}"),
      ":1:2: found the key 'wolrd', expected one of $schema, agent_deadline, controller, cover, design, events, expect, "
-     "flows, hosts, "
+     "flows, heat, hosts, "
      "include, metrics, mode, models, name, network, on_agent_loss, override, people, places, properties, "
      "recorded_people, "
      "regions, restart_agents, robots, robots_per_process, ros, ros_lockstep, ros_no_hit, scenario, seed, spawn, "

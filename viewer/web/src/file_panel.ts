@@ -19,7 +19,7 @@ export interface FilePanelHost {
 
 const PLAIN = ['string', 'number', 'integer', 'boolean'];
 const FIRST = ['robots', 'models', 'spawn', 'people', 'zones', 'places', 'regions', 'flows', 'events'];
-const OF_TESTS = ['scenario', 'vary', 'where', 'design', 'expect', 'cover', 'metrics'];
+const OF_TESTS = ['scenario', 'vary', 'where', 'design', 'expect', 'cover', 'metrics', 'heat'];
 
 export class FilePanel {
   constructor(

@@ -9,6 +9,8 @@
 #include "testing/reports/case_report.h"
 #include "testing/reports/svg_plot.h"
 #include "tests/support/files.h"
+#include "tests/support/small_world.h"
+#include "tests/support/values.h"
 
 namespace troupe {
 namespace {
@@ -242,6 +244,100 @@ TEST(CaseReport, SaysOfHowManyRunsAMetricIs) {
   ASSERT_TRUE(read.FinishMerge().ok());
   ASSERT_TRUE(read.Write(folder / "read").ok());
   EXPECT_EQ(folder.Read("read/index.html"), page);
+}
+
+// The maps of a case: one robot that stands still in the cell of its number.
+std::vector<HeatMap> HeatOfCase(const TestHeat& heat, std::uint64_t number) {
+  std::vector<HeatMap> maps;
+  for (const HeatKind kind : heat.kinds) {
+    HeatMap::Times times{0, 100'000'000, {{{static_cast<std::int64_t>(number % 3), -1}, 9}}};
+    if (kind == HeatKind::kWaits && number != 1) times = {};
+    maps.push_back(test::ValueOf(HeatMap::Of(kind, heat.cell, std::move(times))));
+  }
+  return maps;
+}
+
+WorldDescription HeatWorld() {
+  SmallWorld world;
+  world.AddRobot("a", {0.0, 0.0, 0.0, 0.0});
+  return world.world();
+}
+
+// The cases of a shard, with their heat maps, in the order of the numbers or against it.
+CaseReport HeatReport(std::uint64_t first, std::uint64_t step, bool backwards = false, double cell = 0.5) {
+  ReportedTest test = ExampleTest();
+  test.shard = {first + 1, step};
+  test.heat = {{HeatKind::kWaits, HeatKind::kRobots}, cell};
+  CaseReport report;
+  report.AddTest(test, HeatWorld());
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    const std::uint64_t number = backwards ? 3 - i : i;
+    if (number % step != first) continue;
+    report.AddHeat(0, HeatOfCase(test.heat, number));
+    report.AddCase(0, ExampleCase(number, CaseVerdict::kPassed));
+  }
+  return report;
+}
+
+TEST(CaseReport, AddsUpTheHeatMapsOfCasesInAnyOrderAndOfShards) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(HeatReport(0, 1).Write(folder / "whole").ok());
+  ASSERT_TRUE(HeatReport(0, 1, true).Write(folder / "backwards").ok());
+  ASSERT_TRUE(HeatReport(0, 2).Write(folder / "one").ok());
+  ASSERT_TRUE(HeatReport(1, 2).Write(folder / "two").ok());
+  CaseReport merged;
+  ASSERT_TRUE(merged.Merge(folder / "two", folder / "merged").ok());
+  ASSERT_TRUE(merged.Merge(folder / "one", folder / "merged").ok());
+  ASSERT_TRUE(merged.FinishMerge().ok());
+  ASSERT_TRUE(merged.Write(folder / "merged").ok());
+  for (const char* const name : {"cases.jsonl", "index.html", "a_b-heat-robots.png", "a_b-heat-waits.png"}) {
+    const std::string whole = folder.Read(std::string("whole/") + name);
+    EXPECT_NE(whole, "") << name;
+    EXPECT_EQ(folder.Read(std::string("backwards/") + name), whole) << name;
+    EXPECT_EQ(folder.Read(std::string("merged/") + name), whole) << name;
+    EXPECT_NE(folder.Read(std::string("one/") + name), whole) << name;
+  }
+  EXPECT_THAT(folder.Read("whole/cases.jsonl"), HasSubstr("\"cells\":[0,-1,18,1,-1,9,2,-1,9]"));
+  const std::string page = folder.Read("whole/index.html");
+  EXPECT_THAT(page, HasSubstr("<img src=\"a_b-heat-robots.png\" alt=\"Where robots were in 4 runs, in the world of the "
+                              "first case\""));
+  EXPECT_LT(page.find("a_b-heat-waits.png"), page.find("a_b-heat-robots.png")) << "in the order of the test";
+}
+
+TEST(CaseReport, AMergeRefusesHeatMapsOfAnotherTest) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(HeatReport(0, 2).Write(folder / "one").ok());
+  ASSERT_TRUE(HeatReport(1, 2, false, 0.25).Write(folder / "two").ok());
+  CaseReport other;
+  ASSERT_TRUE(other.Merge(folder / "one", folder / "merged").ok());
+  EXPECT_THAT(other.Merge(folder / "two", folder / "merged").error().message,
+              HasSubstr("found another test 'a<b.test.json' than in the folders before"));
+  // Lines that were changed: without the maps, with those of another kind, and with another world.
+  const std::string lines = folder.Read("one/cases.jsonl");
+  const std::size_t begin = lines.find('\n') + 1;
+  const std::size_t end = lines.find('\n', begin) + 1;
+  ASSERT_TRUE(HeatReport(1, 2).Write(folder / "two").ok());
+  folder.Write("one/cases.jsonl", lines.substr(0, begin) + lines.substr(end));
+  CaseReport without;
+  ASSERT_TRUE(without.Merge(folder / "one", folder / "merged").ok());
+  ASSERT_TRUE(without.Merge(folder / "two", folder / "merged").ok());
+  EXPECT_EQ(without.FinishMerge().error().message,
+            "found heat maps of 1 of the 2 shards of 'a<b.test.json', expected those of all");
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    std::string changed = lines;
+    changed.replace(changed.find(from, begin), from.size(), to);
+    folder.Write("one/cases.jsonl", changed);
+    CaseReport report;
+    const Status merged = report.Merge(folder / "one", folder / "merged");
+    EXPECT_FALSE(merged.ok()) << to;
+    if (merged.ok()) return std::string();
+    EXPECT_EQ(merged.error().where.line, 2) << to;
+    return merged.error().message;
+  };
+  EXPECT_EQ(refused("\"of\":\"waits\"", "\"of\":\"people\""),
+            "found heat maps of another test, expected those that its line names");
+  EXPECT_EQ(refused("\"zstd\":\"", "\"zstd\":\"AAAA"), "found no world of a report");
+  EXPECT_THAT(refused("\"unit_ns\":100000000", "\"unit_ns\":-1"), HasSubstr("found a heat map out of bounds"));
 }
 
 TEST(CaseReport, RefusesFilesThatAreNone) {
