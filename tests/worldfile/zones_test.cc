@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/spatial/occupancy_grid.h"
@@ -20,6 +21,9 @@
 #include "troupe/expectation.h"
 #include "worldfile/load_world.h"
 #include "worldfile/map/zone_mask.h"
+#include "worldfile/sites/building_text.h"
+#include "worldfile/sites/lif_json.h"
+#include "worldfile/sites/opentcs_xml.h"
 
 namespace troupe {
 namespace {
@@ -344,6 +348,47 @@ TEST(ZonesOnLanes, OfOneWayDirectTheLanesThroughThem) {
     EXPECT_LT(run.state().robots[0].X_WR.y, 0.6);
   }
   EXPECT_LT(run.tick(), 4000u);
+}
+
+// Whole lanes of the first graph: their ends, the facing of robots, and whether they lead in both directions.
+using LaneFacts = std::tuple<std::string, std::string, LaneFacing, bool>;
+std::vector<LaneFacts> LanesIn(const LoadedWorld& loaded) {
+  const LaneGraph& graph = loaded.world.lane_graphs.at(0);
+  std::vector<LaneFacts> lanes;
+  for (const WholeLane& whole : WholeLanesOf(graph)) {
+    const Lane& lane = graph.lanes[whole.parts.front()];
+    lanes.emplace_back(graph.vertices[whole.start].name, graph.vertices[whole.end].name, lane.facing,
+                       lane.is_bidirectional);
+  }
+  std::sort(lanes.begin(), lanes.end());
+  return lanes;
+}
+
+TEST(ZonesOnLanes, OfOneWayCountInExportedLanes) {
+  test::TemporaryFolder folder;
+  std::string building = kCrossing;
+  // One that becomes one lane back, with the robot's back ahead; and one that is left out.
+  const std::string both_ways = "[0, 1, {bidirectional: [4, true], ";
+  building.replace(building.find(both_ways), both_ways.size(),
+                   "[0, 1, {bidirectional: [4, true], orientation: [1, forward], ");
+  const std::string forth = "[2, 3, {bidirectional: [4, true]";
+  building.replace(building.find(forth), forth.size(), "[2, 3, {bidirectional: [4, false]");
+  folder.Write("s.building.yaml", building);
+  const LoadedWorld loaded = ValueOf(LoadWorld(
+      folder.Write("s.json", OnCrossing(R"({"name": "w", "kind": "one_way", "heading": 180, "region": [1, -1, 3, 1]},
+                              {"name": "v", "kind": "one_way", "heading": 0, "region": [1, 2, 3, 4]})"))));
+  const std::vector<LaneFacts> lanes = LanesIn(loaded);
+  EXPECT_THAT(
+      lanes, ElementsAre(LaneFacts("b", "a", LaneFacing::kBackward, false), LaneFacts("b", "c", LaneFacing::kAny, true),
+                         LaneFacts("d", "a", LaneFacing::kAny, true)));
+  const std::string layout = folder.Write("l.lif.json", LayoutText(*loaded.site, "2026-01-01T00:00:00Z"));
+  EXPECT_EQ(LanesIn(ValueOf(LoadWorld(layout))), lanes);
+  EXPECT_EQ(LanesIn(ValueOf(LoadWorld(folder.Write("b.building.yaml", BuildingText(*loaded.site))))), lanes);
+  const std::string plant = PlantModelText(*loaded.site, {});
+  EXPECT_THAT(plant, HasSubstr("sourcePoint=\"b\" destinationPoint=\"a\""));
+  EXPECT_THAT(plant, testing::Not(HasSubstr("sourcePoint=\"a\" destinationPoint=\"b\"")));
+  // The file's own lanes stay as they are.
+  EXPECT_EQ(LanesIn(ValueOf(LoadWorld(folder.Path("s.building.yaml")))).size(), 4U);
 }
 
 TEST(ZonesOnLanes, ToBeReleasedAreWaitedFor) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "common/base/source_text.h"
@@ -9,6 +10,7 @@
 #include "troupe/deterministic_math.h"
 #include "troupe/rectangle.h"
 #include "worldfile/map/zone_mask.h"
+#include "worldfile/sites/site.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
@@ -185,6 +187,32 @@ void Direct(const WorldDescription& world, const ZoneDescription& zone, LaneGrap
   LeaveOut(is_left_out, graph);
 }
 
+// The same lanes of the site, which are whole: exported maps and the map of the building in ROS have them.
+void Direct(const WorldDescription& world, const ZoneDescription& zone, SiteLevel& level) {
+  std::erase_if(level.lanes, [&](SiteLane& lane) {
+    const Vec2& start = level.vertices[lane.edge.start].position;
+    const Vec2& end = level.vertices[lane.edge.end].position;
+    if (!CrossesZone(world, zone, start, end, level.elevation)) return false;
+    const bool may_go = !IsAgainst(zone, end - start);
+    const bool may_return = lane.is_bidirectional && !IsAgainst(zone, start - end);
+    if (!may_go && may_return) {
+      std::swap(lane.edge.start, lane.edge.end);
+      if (!lane.orientation.empty()) lane.orientation = lane.orientation == "forward" ? "backward" : "forward";
+    }
+    lane.is_bidirectional = may_go && may_return;
+    return !may_go && !may_return;
+  });
+}
+
+// REQUIRES: a one_way zone
+void DirectLanes(const ZoneDescription& zone, LoadedWorld& loaded) {
+  for (LaneGraph& graph : loaded.world.lane_graphs) Direct(loaded.world, zone, graph);
+  if (loaded.site == nullptr) return;
+  auto site = std::make_shared<Site>(*loaded.site);  // the file's own is shared
+  for (SiteLevel& level : site->levels) Direct(loaded.world, zone, level);
+  loaded.site = std::move(site);
+}
+
 }  // namespace
 
 Result<std::vector<ZoneEntry>> ReadZoneEntries(const JsonTree& tree, const JsonNode& root) {
@@ -224,7 +252,7 @@ Status AddZones(const std::vector<ZoneEntry>& entries, const std::string& path, 
         if (!world.lane_trips.empty()) {
           return Error{entry.where, "found a one_way zone in a problem of multi-agent paths, expected none there"};
         }
-        for (LaneGraph& graph : world.lane_graphs) Direct(world, zone, graph);
+        DirectLanes(zone, loaded);
       }
       world.zones.push_back(std::move(zone));
     }

@@ -32,7 +32,8 @@ struct ZoneEntry {
 Result<std::vector<ZoneEntry>> ReadZoneEntries(const JsonTree& tree, const JsonNode& root);
 
 // Adds the zones to the world; a mask of one area is a zone of its name, one of several has zones NAME.1, NAME.2, ...
-// The lanes through a one_way zone lead in its direction alone: those against it are left out. `path`: of the scenario.
+// The lanes through a one_way zone lead in its direction alone, in the world and in its site: those against it are left
+// out. `path`: of the scenario.
 Status AddZones(const std::vector<ZoneEntry>& entries, const std::string& path, const AllowedPaths& allowed,
                 LoadedWorld& loaded);
 
