@@ -5,13 +5,11 @@
 
 namespace troupe {
 
-using nlohmann::json;
-
-json ToJson(const std::vector<HeatMap>& maps) {
-  json list = json::array();
+nlohmann::json ToJson(const std::vector<HeatMap>& maps) {
+  nlohmann::json list = nlohmann::json::array();
   for (const HeatMap& map : maps) {
     const HeatMap::Times& times = map.times();
-    json cells = json::array();
+    nlohmann::json cells = nlohmann::json::array();
     for (const auto& [place, time] : times.cells) {
       cells.push_back(place.first);
       cells.push_back(place.second);

@@ -8,10 +8,8 @@
 
 namespace troupe {
 
-using nlohmann::json;
-
-json ToJson(const TestHeat& heat) {
-  json kinds = json::array();
+nlohmann::json ToJson(const TestHeat& heat) {
+  nlohmann::json kinds = nlohmann::json::array();
   for (const HeatKind kind : heat.kinds) kinds.push_back(NameOf(kind));
   return {{"of", std::move(kinds)}, {"cell", heat.cell}};
 }
@@ -60,7 +58,7 @@ Result<std::string> HeatSection::Draw(const HeatMap& map, std::uint64_t runs) co
   return DrawPicture(world.value(), PlacedState(world.value()), {}, options, {}, &shown);
 }
 
-json ToJson(const HeatSection& section) {
+nlohmann::json ToJson(const HeatSection& section) {
   return {{"heat_maps", ToJson(section.maps())},
           {"world", {{"bytes", section.world().bytes}, {"zstd", section.world().zstd}}}};
 }
