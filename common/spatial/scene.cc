@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <utility>
 #include <variant>
@@ -87,6 +88,17 @@ const PathSchedule& Scene::path_schedule() const {
     path_schedule_->schedule = std::make_unique<const PathSchedule>(trips);
   });
   return *path_schedule_->schedule;
+}
+
+void Scene::FreeMadeParts() const {
+  const auto renew = [](const auto& part) {
+    if (part.use_count() != 1) return;  // a scene that was copied from this one has it, too
+    std::destroy_at(part.get());
+    std::construct_at(part.get());
+  };
+  renew(walk_routes_);
+  renew(traffic_routes_);
+  renew(path_schedule_);
 }
 
 void Scene::FindBodies() {

@@ -141,6 +141,10 @@ class Scene {
   // The order of the moves on the paths of the world's trips. Made by the first call, by any thread.
   const PathSchedule& path_schedule() const;
 
+  // Frees the parts that calls have made, routes and schedules, as if none had been made: for a scene that ends with
+  // its memory, without its destructor. REQUIRES: nothing uses these parts
+  void FreeMadeParts() const;
+
   // The largest of all bodies' radii, m.
   double max_body_radius() const { return max_body_radius_; }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
+#include <mutex>
 #include <new>
 #include <utility>
 #include <variant>
@@ -52,6 +54,31 @@ WorldDescription DetachedCopy(const WorldDescription& world) {
   return copy;
 }
 
+// The scenes of all images that are attached in this process, one for each, whichever agents use it.
+std::mutex scenes_mutex;
+std::map<const Scene*, std::weak_ptr<const Scene>>& Scenes() {
+  static auto* const scenes = new std::map<const Scene*, std::weak_ptr<const Scene>>();  // for users that end later
+  return *scenes;
+}
+
+// The scene in a mapping, which ends with all that is in it. The parts that this process makes are in memory of its own
+// and end with the last user.
+std::shared_ptr<const Scene> SceneIn(std::shared_ptr<const MappedMemory> memory, const Scene* scene) {
+  const std::lock_guard lock(scenes_mutex);
+  std::weak_ptr<const Scene>& known = Scenes()[scene];
+  if (std::shared_ptr<const Scene> found = known.lock()) return found;
+  const auto end = [memory = std::move(memory)](const Scene* used) {
+    const std::lock_guard ending(scenes_mutex);
+    const auto entry = Scenes().find(used);
+    if (entry == Scenes().end() || !entry->second.expired()) return;  // attached again meanwhile
+    Scenes().erase(entry);
+    used->FreeMadeParts();
+  };
+  std::shared_ptr<const Scene> attached(scene, end);
+  known = attached;
+  return attached;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<WorldImage>> WorldImage::Make(const Shared<WorldDescription>& world) {
@@ -88,7 +115,7 @@ Result<PreparedWorld> AttachWorld(pid_t owner, const WorldImagePlace& place) {
   auto mapped = Attach(memory.value(), place.place, place.bytes, Attachment::kCopyOnWrite);
   if (!mapped.ok()) return mapped.error();
   auto* const root = std::bit_cast<const Root*>(place.root);
-  return PreparedWorld{std::shared_ptr<const Scene>(std::move(mapped).value(), &root->scene), root->hash};
+  return PreparedWorld{SceneIn(std::move(mapped).value(), &root->scene), root->hash};
 }
 
 }  // namespace troupe

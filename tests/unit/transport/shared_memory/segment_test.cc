@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "common/spatial/body_index.h"
+#include "common/spatial/walk_routes.h"
 #include "tests/support/memory_maps.h"
 #include "transport/shared_memory/agent_segment.h"
 #include "transport/shared_memory/service_segment.h"
@@ -684,6 +685,33 @@ TEST(SharedWorldTest, TheWorldIsReadInPlace) {
   for (std::size_t i = 0; i < own.body_count(); ++i) {
     EXPECT_EQ(in_place.pieces_in_world(BodyId(i))[0].vertices, assigned.pieces_in_world(BodyId(i))[0].vertices);
   }
+}
+
+// They are in memory of the agent's own, which does not end with the mapping: the leak sanitizer looks whether it is
+// freed.
+TEST(SharedWorldTest, RoutesEndWithTheLastUserOfAWorld) {
+  const auto service = MakeService();
+  ASSERT_TRUE(service->PublishSession(Session(SomeWorld(3))).ok());
+  const auto attach = [&] {
+    const auto agent = OpenFor(*service);
+    SessionMessage session;
+    PreparedWorld prepared;
+    Status reason;
+    EXPECT_EQ(agent->ReadSession(session, prepared, reason), AgentSegment::Outcome::kNews);
+    return prepared.scene;
+  };
+  const auto has_grid = [](const Scene& scene) {
+    return scene.walk_routes().RobotGrid(scene, {0.0, 1.0}, 0.3) != nullptr;
+  };
+  std::shared_ptr<const Scene> first = attach();
+  std::shared_ptr<const Scene> second = attach();
+  ASSERT_EQ(first, second);
+  const WalkRoutes* const routes = &first->walk_routes();
+  first.reset();
+  EXPECT_EQ(&second->walk_routes(), routes);
+  EXPECT_TRUE(has_grid(*second));
+  second.reset();
+  EXPECT_TRUE(has_grid(*attach()));
 }
 
 // A pointer to memory of the maker alone would be wrong in every other process.
