@@ -1,6 +1,7 @@
 // Both ends of shared memory, in one process and with processes that are killed, stopped or write garbage.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -711,7 +712,12 @@ TEST(SharedWorldTest, RoutesEndWithTheLastUserOfAWorld) {
   EXPECT_EQ(&second->walk_routes(), routes);
   EXPECT_TRUE(has_grid(*second));
   second.reset();
+  constexpr std::size_t kRounds = 200;
+  const auto heap = [] { return mallinfo2().uordblks; };
   EXPECT_TRUE(has_grid(*attach()));
+  const std::size_t before = heap();
+  for (std::size_t i = 0; i < kRounds; ++i) EXPECT_TRUE(has_grid(*attach()));
+  EXPECT_LT(heap(), before + kRounds * sizeof(WalkRoutes) / 2);
 }
 
 // A pointer to memory of the maker alone would be wrong in every other process.
