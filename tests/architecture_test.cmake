@@ -155,9 +155,11 @@ set(may_include_include/troupe/testing.h common/base testing/expectations includ
 
 # Cases of tests run on simulations.
 set(may_include_testing/cases
-  common/base common/geometry common/model robot-agent/controller include/troupe/simulation.h testing/expectations worldfile/models
+  common/base common/geometry common/model common/picture robot-agent/controller include/troupe/simulation.h testing/expectations worldfile/models
   worldfile/scenario worldfile/stage worldfile/text)
-set(may_include_testing/reports common/base common/model include/troupe/simulation.h testing/cases testing/expectations)
+set(may_include_testing/reports
+  common/base common/model common/picture include/troupe/simulation.h recording/mcap testing/cases testing/expectations
+  transport/protocol transport/wire)
 
 # The library: the step and the robots in one process, without protocol or DDS.
 set(may_include_library
