@@ -21,6 +21,7 @@
 #include "common/spatial/body_index.h"
 #include "common/spatial/walk_routes.h"
 #include "tests/support/memory_maps.h"
+#include "tests/support/values.h"
 #include "transport/shared_memory/agent_segment.h"
 #include "transport/shared_memory/service_segment.h"
 #include "transport/shared_memory/world_image.h"
@@ -688,13 +689,13 @@ TEST(SharedWorldTest, TheWorldIsReadInPlace) {
   }
 }
 
-// They are in memory of the agent's own, which does not end with the mapping: the leak sanitizer looks whether it is
-// freed.
+// They are in memory of the agent's own, which does not end with the mapping.
 TEST(SharedWorldTest, RoutesEndWithTheLastUserOfAWorld) {
-  const auto service = MakeService();
-  ASSERT_TRUE(service->PublishSession(Session(SomeWorld(3))).ok());
+  // Of another process: a service in this one would keep the mapping.
+  OtherService service(
+      [&](ServiceSegment& segment) { EXPECT_TRUE(segment.PublishSession(Session(SomeWorld(3))).ok()); });
   const auto attach = [&] {
-    const auto agent = OpenFor(*service);
+    const auto agent = test::ValueOf(AgentSegment::Open(service.address()));
     SessionMessage session;
     PreparedWorld prepared;
     Status reason;
