@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "common/base/source_text.h"
@@ -164,6 +165,16 @@ void LeaveOut(const std::vector<bool>& is_left_out, LaneGraph& graph) {
   }
 }
 
+// Leaves a lane along `way` the directions that the zone allows; `turn` turns it round. False: none is left.
+template <typename DirectedLane, typename Turn>
+bool KeepDirections(const ZoneDescription& zone, const Vec2& way, DirectedLane& lane, const Turn& turn) {
+  const bool may_go = !IsAgainst(zone, way);
+  const bool may_return = lane.is_bidirectional && !IsAgainst(zone, -way);
+  if (!may_go && may_return) turn(lane);
+  lane.is_bidirectional = may_go && may_return;
+  return may_go || may_return;
+}
+
 // A lane of the site is so as a whole, with all its parts.
 void Direct(const WorldDescription& world, const ZoneDescription& zone, LaneGraph& graph) {
   std::vector<bool> is_left_out(graph.lanes.size(), false);
@@ -175,13 +186,10 @@ void Direct(const WorldDescription& world, const ZoneDescription& zone, LaneGrap
     });
     if (!is_in) continue;
     const Vec2 way = graph.Way(whole.start, whole.end);
-    const bool may_go = !IsAgainst(zone, way);
     for (const std::uint32_t part : whole.parts) {
-      Lane& lane = graph.lanes[part];
-      const bool may_return = lane.is_bidirectional && !IsAgainst(zone, -way);
-      is_left_out[part] = !may_go && !may_return;
-      if (!may_go && may_return) lane = Turned(lane, graph.Way(lane.start, lane.end).norm());
-      lane.is_bidirectional = may_go && may_return;
+      is_left_out[part] = !KeepDirections(zone, way, graph.lanes[part], [&](Lane& lane) {
+        lane = Turned(lane, graph.Way(lane.start, lane.end).norm());
+      });
     }
   }
   LeaveOut(is_left_out, graph);
@@ -193,23 +201,24 @@ void Direct(const WorldDescription& world, const ZoneDescription& zone, SiteLeve
     const Vec2& start = level.vertices[lane.edge.start].position;
     const Vec2& end = level.vertices[lane.edge.end].position;
     if (!CrossesZone(world, zone, start, end, level.elevation)) return false;
-    const bool may_go = !IsAgainst(zone, end - start);
-    const bool may_return = lane.is_bidirectional && !IsAgainst(zone, start - end);
-    if (!may_go && may_return) {
-      std::swap(lane.edge.start, lane.edge.end);
-      if (!lane.orientation.empty()) lane.orientation = lane.orientation == "forward" ? "backward" : "forward";
-    }
-    lane.is_bidirectional = may_go && may_return;
-    return !may_go && !may_return;
+    return !KeepDirections(zone, end - start, lane, [](SiteLane& turned) {
+      std::swap(turned.edge.start, turned.edge.end);
+      if (turned.orientation.empty()) return;
+      turned.orientation = turned.orientation == "forward" ? "backward" : "forward";
+    });
   });
 }
 
-// REQUIRES: a one_way zone
-void DirectLanes(const ZoneDescription& zone, LoadedWorld& loaded) {
-  for (LaneGraph& graph : loaded.world.lane_graphs) Direct(loaded.world, zone, graph);
-  if (loaded.site == nullptr) return;
+// The lanes of the site, by the zones of the world from `first` on.
+void DirectSite(std::size_t first, LoadedWorld& loaded) {
+  const std::span zones = std::span(loaded.world.zones).subspan(first);
+  const auto is_one_way = [](const ZoneDescription& zone) { return zone.kind == ZoneKind::kOneWay; };
+  if (loaded.site == nullptr || std::none_of(zones.begin(), zones.end(), is_one_way)) return;
   auto site = std::make_shared<Site>(*loaded.site);  // the file's own is shared
-  for (SiteLevel& level : site->levels) Direct(loaded.world, zone, level);
+  for (const ZoneDescription& zone : zones) {
+    if (!is_one_way(zone)) continue;
+    for (SiteLevel& level : site->levels) Direct(loaded.world, zone, level);
+  }
   loaded.site = std::move(site);
 }
 
@@ -228,6 +237,7 @@ Result<std::vector<ZoneEntry>> ReadZoneEntries(const JsonTree& tree, const JsonN
 Status AddZones(const std::vector<ZoneEntry>& entries, const std::string& path, const AllowedPaths& allowed,
                 LoadedWorld& loaded) {
   WorldDescription& world = loaded.world;
+  const std::size_t first = world.zones.size();
   for (const ZoneEntry& entry : entries) {
     Result<std::vector<ZoneDescription>> zones = ZonesOf(entry, path, allowed);
     if (!zones.ok()) return zones.error();
@@ -252,11 +262,12 @@ Status AddZones(const std::vector<ZoneEntry>& entries, const std::string& path, 
         if (!world.lane_trips.empty()) {
           return Error{entry.where, "found a one_way zone in a problem of multi-agent paths, expected none there"};
         }
-        DirectLanes(zone, loaded);
+        for (LaneGraph& graph : world.lane_graphs) Direct(world, zone, graph);
       }
       world.zones.push_back(std::move(zone));
     }
   }
+  DirectSite(first, loaded);
   return Status();
 }
 
