@@ -109,10 +109,8 @@ def headers_of(batches):
     for batch in sorted(batches, key=lambda batch: (len(batch.origins), batch.sources)):
         folders = {os.path.dirname(os.path.abspath(source)) for source in batch.sources}
         for header in batch.headers():
-            if os.path.dirname(header) in folders:
-                owners.setdefault(header, ([], []))[0].append(batch)
-            else:
-                owners.setdefault(header, ([], []))[1].append(batch)
+            neighbours, others = owners.setdefault(header, ([], []))
+            (neighbours if os.path.dirname(header) in folders else others).append(batch)
     headers = {batch: [] for batch in batches}
     for header, (neighbours, others) in sorted(owners.items()):
         for batch in neighbours or others[:1]:

@@ -79,12 +79,8 @@ Status CaseSession::LoadTest(const std::string& path) {
   ReportedTest reported = ReportOf(*test.file, CaseMonitors::Make(*test.file, loaded.world, loaded.regions).value());
   reported.cases = options_.search > 0 ? 0 : design.size();
   reported.shard = options_.shard;
-  if (options_.heat) {
-    reported.heat = test.file->heat();
-    report_.AddTest(reported, loaded.world);
-  } else {
-    report_.AddTest(reported);
-  }
+  if (options_.heat) reported.heat = test.file->heat();
+  report_.AddTest(reported, loaded.world);
   if (options_.search > 0) {
     if (const Status rare = design.CheckRandom(); !rare.ok()) return Error{{path}, rare.error().message};
     test.search.emplace(test.file->design());
